@@ -54,7 +54,7 @@ class CellHost {
   void Stop();
 
  private:
-  void RunDevices();
+  void RunDevices();  // the devices' thread
 
   CellHostParams params_;
   SimulatedDevices devices_;

@@ -24,6 +24,7 @@ DeviceWires::DeviceWires(const std::vector<io::CanBus*>& buses, SimulatedDevices
   sensor_ = std::make_unique<ImpairedCanBus>(*buses.at(wires.sensor_bus), injections, Wire::kForceSensor,
                                              sensor_frames, virtual_now);
   const bool has_drive = wires.drive && devices.drive();
+  // on a shared bus, the drive's impaired bus contains the sensor's, and one pump serves both devices
   const bool shared = has_drive && wires.drive_bus == wires.sensor_bus;
   if (has_drive)
     drive_ = std::make_unique<ImpairedCanBus>(

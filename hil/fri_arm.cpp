@@ -56,7 +56,7 @@ void FriArm::SetPower(bool on) {
 }
 
 bool FriArm::EndSession() {
-  constexpr double kUntilIdle_s = 0.05;  // a public log shows 0.083 s in MONITORING_READY
+  constexpr double kUntilIdle_s = 0.05;  // in MONITORING_READY before IDLE; a public log shows 0.083 s
   if (server_.session_end() == SessionEnd::kSilence || server_.state() == control::SessionState::kIdle)
     return false;
   server_.CloseAfter(kUntilIdle_s);

@@ -10,13 +10,13 @@
 namespace osteon::hil {
 namespace {
 
-// Sets the start pose in the controller's parameters.
-RsiControllerParams At(RsiControllerParams params, const control::JointArray& q_start) {
+// The controller's parameters with this start pose [rad].
+RsiControllerParams WithStart(RsiControllerParams params, const control::JointArray& q_start) {
   for (std::size_t i = 0; i < 6; ++i) params.start_deg[i] = q_start[i] / kDegree;
   return params;
 }
 
-RsiCounters Sum(const RsiCounters& a, const RsiCounters& b) {
+RsiCounters AddCounters(const RsiCounters& a, const RsiCounters& b) {
   return {.sent = a.sent + b.sent,
           .answered = a.answered + b.answered,
           .missed = a.missed + b.missed,
@@ -30,7 +30,10 @@ RsiCounters Sum(const RsiCounters& a, const RsiCounters& b) {
 }  // namespace
 
 RsiArm::RsiArm(const RsiArmParams& params, const control::JointArray& q_start, const Pose& X_FT)
-    : params_(params), X_FT_(X_FT), controller_(At(params.controller, q_start)), arm_(params.controller.arm) {
+    : params_(params),
+      X_FT_(X_FT),
+      controller_(WithStart(params.controller, q_start)),
+      arm_(params.controller.arm) {
   if (params.handed_over_answers < 1)
     throw std::invalid_argument(fmt::format("simulated KR: handed_over_answers: found {}, accepted >= 1",
                                             params.handed_over_answers));
@@ -53,8 +56,9 @@ bool RsiArm::StartsAgain() const {
   return state.counters.answered == 0 || params_.start_again_after_loss;
 }
 
+// Starts RSI again, and keeps the counts and the stop of the session that has ended.
 void RsiArm::Restart() {
-  before_ = Sum(before_, controller_.state().counters);
+  before_ = AddCounters(before_, controller_.state().counters);
   // A session without any answer had no client, so its end does not replace the last stop.
   if (controller_.state().counters.answered > 0) last_stop_ = controller_.state().stop;
   controller_.Restart();
@@ -86,20 +90,20 @@ ArmMotion RsiArm::motion() const {
 ArmStatus RsiArm::status() const {
   const RsiControllerState& state = controller_.state();
   const auto answered = state.counters.answered;
-  const RsiCounters n = Sum(before_, state.counters);
+  const RsiCounters total = AddCounters(before_, state.counters);
   ArmStatus status;
   status.session = !state.running  ? control::SessionState::kIdle
                    : answered == 0 ? control::SessionState::kMonitoringWait
                    : answered < static_cast<std::uint64_t>(params_.handed_over_answers)
                        ? control::SessionState::kCommandingWait
                        : control::SessionState::kCommandingActive;
-  status.counters.sent = n.sent;
-  status.counters.answered = n.answered;
-  status.counters.lost = n.missed;
-  status.counters.excused = n.excused;
-  status.counters.stale = n.late;
-  status.counters.duplicate = n.duplicate;
-  status.counters.malformed = n.malformed + n.wrong_ipoc;
+  status.counters.sent = total.sent;
+  status.counters.answered = total.answered;
+  status.counters.lost = total.missed;
+  status.counters.excused = total.excused;
+  status.counters.stale = total.late;
+  status.counters.duplicate = total.duplicate;
+  status.counters.malformed = total.malformed + total.wrong_ipoc;
   status.rsi_stop = state.running ? last_stop_ : state.stop;
   status.delay = state.delay;
   return status;

@@ -54,7 +54,7 @@ class RsiArm final : public ArmController {
   RsiCounters before_;  // counts of the sessions before the present one
   RsiStopReport last_stop_;
   bool power_{true};
-  int idle_cycles_{0};
+  int idle_cycles_{0};  // since RSI ended
   std::span<const std::uint8_t> message_;
 };
 

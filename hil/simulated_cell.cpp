@@ -11,11 +11,13 @@ using kinematics::JointVector;
 
 JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-std::unique_ptr<ArmController> ArmOf(const SimulatedCellParams& params) {
+// A KR over RSI if there is one in the parameters, else an LBR over FRI.
+std::unique_ptr<ArmController> MakeArm(const SimulatedCellParams& params) {
   if (params.kr) return std::make_unique<RsiArm>(*params.kr, params.q_start, Pose(params.X_FT));
   return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
 }
 
+// Whether both the distance and the angle between the poses are below these bounds.
 bool IsNear(const Pose& X_WT, const Pose& X_WT_start, double distance_m, double angle_rad) {
   return (X_WT.translation() - X_WT_start.translation()).norm() < distance_m &&
          RotationAngle(X_WT.linear().transpose() * X_WT_start.linear()) < angle_rad;
@@ -39,7 +41,7 @@ SimulatedCell::SimulatedCell(const SimulatedCellParams& params, HandScript scrip
       X_TF_(Pose(params.X_FT).inverse()),
       sensor_(params.sensor),
       feels_inertia_(params.sensor_feels_inertia),
-      arm_(ArmOf(params)),
+      arm_(MakeArm(params)),
       hand_(params.hand, std::move(script)) {}
 
 std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool client_had_its_time) {
@@ -98,6 +100,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 // During the start path the hand leaves the arm alone until it has arrived. A soft arm may sag beside the
 // start: the operator then takes the tool once it has stood still for a while.
 bool SimulatedCell::UpdateArrival(const Pose& X_WT, const Twist& V_WT) {
+  // the tool has arrived when it is this near, or has been slow for this long within the wider reach
   constexpr double kArrived_m = 0.003, kArrived_rad = 0.03;
   constexpr double kWithinReach_m = 0.03, kWithinReach_rad = 0.3;
   constexpr double kMaxIdle_m_per_s = 0.02, kMaxIdle_rad_per_s = 0.2, kMinIdle_s = 0.3;

@@ -29,10 +29,10 @@ void SimulatedCellThread::Run() {
   const rt::Nanoseconds tolerance = period / 2;
   rt::Nanoseconds due = rt::MonotonicNow() + period;  // when the next message is to be sent
   rt::Nanoseconds sent = due - period;                // when the last message was sent
-  for (bool ends = false;;) {
-    if (!ends && stop_.load(std::memory_order_relaxed)) {
+  for (bool is_ending = false;;) {
+    if (!is_ending && stop_.load(std::memory_order_relaxed)) {
       if (!cell_.EndSession()) break;
-      ends = true;
+      is_ending = true;
     }
     // wait until the next message is due and the client has had a whole period, unless its answer is here
     rt::Nanoseconds target = due;
@@ -66,7 +66,7 @@ void SimulatedCellThread::Run() {
     statistics.wires = wires_.counters();
     published_.Store(statistics);
     if (params_.cycles) params_.cycles->Push(statistics.cell);
-    if (ends && datagram.empty()) break;
+    if (is_ending && datagram.empty()) break;
   }
 }
 

@@ -77,7 +77,7 @@ class SimulatedCellThread {
   [[nodiscard]] std::uint16_t port() const { return client_.port(); }
 
  private:
-  void Run();
+  void Run();  // the arm's thread
   void WaitUntil(rt::Nanoseconds target, CellThreadStatistics& statistics);
   bool ReceiveAll(CellThreadStatistics& statistics);
   void MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics);
@@ -85,7 +85,7 @@ class SimulatedCellThread {
   CellThreadParams params_;
   SimulatedCell cell_;
   CellWires wires_;
-  bool answered_{false};  // the message last sent
+  bool answered_{false};  // whether the client has answered the message last sent
   UdpClient client_;
   rt::LatestValue<control::ForceReading> loads_;
   std::atomic<bool> power_{true}, commanded_{false};

@@ -22,14 +22,14 @@ class UdpClient {
   /// @param who, what  names of this side and of the peer in errors: "simulated arm", "client"
   /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
   UdpClient(const std::string& who, const std::string& what, const std::string& address, std::uint16_t port) {
-    const auto there = io::Ipv4(who + ": " + what, address, port);
-    if (!there) throw std::invalid_argument(there.error());
+    const auto peer = io::Ipv4(who + ": " + what, address, port);
+    if (!peer) throw std::invalid_argument(peer.error());
     if (port == 0) throw std::invalid_argument(who + ": " + what + "_port: found 0, accepted 1 … 65535");
     socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (socket_ < 0) throw std::system_error(errno, std::generic_category(), who + ": UDP socket");
     sockaddr_in own{};
     socklen_t size = sizeof own;
-    if (connect(socket_, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) != 0 ||
+    if (connect(socket_, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) != 0 ||
         getsockname(socket_, reinterpret_cast<sockaddr*>(&own), &size) != 0) {
       const int error = errno;
       Close();

@@ -4,8 +4,8 @@
 
 namespace osteon::gpu {
 
-// Reads the pairs that the device found near the tool at first contact, at fraction s of the way, as
-// simulation::FindCandidates makes them, and the sums of the faces.
+// Fills `candidates` and `near.faces` as simulation::FindCandidates does, from the pairs and the sums of the
+// faces that the device found at first contact, after fraction s of the tool's path.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   candidates.count = done.candidate_count;
   candidates.held_count = 0;  // the device has solved the hold already
@@ -24,30 +24,33 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     pair.tool_radius_m = tool.balls[t].radius_m;
   }
   for (std::size_t f = 0; f < kFaces; ++f) {
+    // Row 0 sums over the balls that cut, row 1 over the others. Column 0: weight; 1 to 3: weight × normal.
     const auto weight = [&](std::size_t row, std::size_t column) {
       return static_cast<double>(done.exact.face_sums[(row * kFaces + f) * 4 + column]) /
              (kUnitSubdivision * done.face_scale);
     };
-    const auto place = [&](std::size_t row, std::size_t column) {
+    // Columns 0 to 2: weight × centre [m]; column 3: weight × radius [m].
+    const auto weighted_place = [&](std::size_t row, std::size_t column) {
       return Total(done.face_sums[(row * kFaces + f) * kFaceColumns + column], done.face_point_scale) /
              kMillimetres;
     };
-    const auto place_vector = [&](std::size_t row) {
-      return Vector3(place(row, 0), place(row, 1), place(row, 2));
+    const auto weighted_center = [&](std::size_t row) {
+      return Vector3(weighted_place(row, 0), weighted_place(row, 1), weighted_place(row, 2));
     };
     simulation::FaceSums& face = near.faces[f];
     const double cutters = weight(0, 0);
     face.weight = cutters + weight(1, 0);
     face.n = Vector3(weight(0, 1) + weight(1, 1), weight(0, 2) + weight(1, 2), weight(0, 3) + weight(1, 3));
-    face.center_T = place_vector(0) + place_vector(1);
-    face.radius = place(0, 3) + place(1, 3);
-    if (tool.cutter_count == 1) {  // the same tool ball for all
+    face.center_T = weighted_center(0) + weighted_center(1);
+    face.radius = weighted_place(0, 3) + weighted_place(1, 3);
+    if (tool.cutter_count == 1) {  // the device leaves the place of a single cutting ball out of its sums
       face.center_T += cutters * tool.balls[0].center_T_m;
       face.radius += cutters * tool.balls[0].radius_m;
     }
   }
 }
 
+// Converts the device's results to SI units, and adds what the host computes: the force cap and the contacts.
 simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   simulation::FrameSolution s;
   s.contact_fraction = std::min(1.0, std::bit_cast<double>(done.contact_key));

@@ -13,6 +13,7 @@ namespace {
 using simulation::BallSplitter;
 using simulation::BallState;
 
+// From the device's ball [mm] to a state [m], and back.
 BallState ToState(const vec4& ball) {
   return {.center_m = 1e-3 * Vector3(ball.x, ball.y, ball.z), .radius_m = 1e-3 * ball.w};
 }
@@ -68,10 +69,11 @@ void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const sim
   }
   std::ranges::sort(sorted, {}, &SplitEvent::index);
   std::size_t free = params().pool_blocks - in_use_.size();
-  std::size_t may_split =
+  std::size_t splits_left =
       params().blocks_per_frame > 0 ? params().blocks_per_frame : std::numeric_limits<std::size_t>::max();
 
-  // waiting balls and requests together, in the order of their parents
+  // Serve waiting balls and new requests in the order of their parents. A ball that waits may request again:
+  // then the request only brings its present state.
   std::vector<Waiting> waited;
   waited.swap(waiting_);
   auto next = waited.begin();
@@ -79,10 +81,10 @@ void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const sim
   std::vector<BallState> children(splitter_.slots());
   while (next != waited.end() || request != sorted.end()) {
     std::optional<Waiting> waiting;
-    const bool has_waited =
+    const bool has_waiting =
         next != waited.end() && (request == sorted.end() || next->ball.parent <= request->index);
-    const bool asks = request != sorted.end() && (!has_waited || request->index == next->ball.parent);
-    if (has_waited) {
+    const bool has_request = request != sorted.end() && (!has_waiting || request->index == next->ball.parent);
+    if (has_waiting) {
       waiting = std::move(*next++);
     } else if (free > 0) {
       --free;
@@ -91,21 +93,21 @@ void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const sim
     } else {
       ++refused_;
     }
-    if (waiting && asks) waiting->now = ToState(request->after);
-    if (asks) ++request;
+    if (waiting && has_request) waiting->now = ToState(request->after);
+    if (has_request) ++request;
     if (!waiting) continue;
     const std::uint32_t parent = waiting->ball.parent;
-    if (may_split == 0) {
+    if (splits_left == 0) {  // the ball waits, and keeps this frame's cuts for its children
       splitter_.StoreCuts(capsules, waiting->now, waiting->ball);
       waiting_.push_back(std::move(*waiting));
       continue;
     }
-    --may_split;
+    --splits_left;
     splitter_.MakeChildren(waiting->ball, children);
     splitter_.CutChildren(parent, capsules, children);
     const auto block = static_cast<uint>(block_[parent]);
-    std::size_t live = 0;
-    uploads_.push_back({.index = parent, .ball = {0, 0, 0, 0}});
+    std::size_t live = 0;                                         // children left
+    uploads_.push_back({.index = parent, .ball = {0, 0, 0, 0}});  // removes the parent
     for (std::size_t k = 0; k < kGroupSize; ++k) {
       const BallState child = k < children.size() ? children[k] : BallState{};
       uploads_.push_back(
@@ -160,16 +162,16 @@ SplitPool::DeviceState SplitPool::Load(const simulation::CarvedState& state) {
     const std::uint32_t parent = state.split_balls[j];
     const uint block = TakeBlock(parent);
     const auto saved = std::span(state.split_slots).subspan(4 * slots * j, 4 * slots);
-    Block& books = loaded.blocks[block];
-    books.min_mm = MinChildRadius_mm(parent);
+    Block& record = loaded.blocks[block];
+    record.min_mm = MinChildRadius_mm(parent);
     if (state.split_cuts[j] > 0) {
       waiting_.push_back({.ball = BallSplitter::LoadWaiting(parent, state.split_cuts[j], saved),
                           .now = ToState(balls[parent])});
       continue;
     }
     std::copy_n(saved.begin(), 4 * slots, &balls[first_ + block * kGroupSize].x);
-    for (std::size_t k = 0; k < slots; ++k) books.live += saved[4 * k + 3] > 0.0f ? 1 : 0;
-    if (books.live == 0) emptied_.push_back(block);
+    for (std::size_t k = 0; k < slots; ++k) record.live += saved[4 * k + 3] > 0.0f ? 1 : 0;
+    if (record.live == 0) emptied_.push_back(block);
   }
   return loaded;
 }
@@ -179,6 +181,7 @@ void SplitPool::ToSaved(simulation::ContactMemory& contact) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     simulation::ContactPair pair = contact.pairs[i];
     if (pair.bone_ball >= first_) {
+      // a child: in a saved state, blocks follow each other in the order of their parents
       const uint place = pair.bone_ball - static_cast<uint>(first_), block = place / kGroupSize;
       if (!in_use_.contains(block)) continue;
       const auto rank =
@@ -195,6 +198,7 @@ void SplitPool::FromSaved(simulation::ContactMemory& contact) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.pair_count); ++i) {
     std::uint32_t& ball = contact.pairs[i].bone_ball;
     if (ball < parents_) continue;
+    // Load has given block k to the k-th split parent
     const std::size_t place = ball - parents_;
     ball = static_cast<uint>(first_ + place / splitter_.slots() * kGroupSize + place % splitter_.slots());
   }

@@ -31,6 +31,7 @@ class SplitPool {
   /// Length of the device's list of balls: parents, and room for every block.
   [[nodiscard]] std::size_t ball_count() const { return first_ + params().pool_blocks * kGroupSize; }
   [[nodiscard]] std::size_t block_count() const { return params().pool_blocks; }
+  /// First cluster of children.
   [[nodiscard]] std::size_t FirstCluster() const { return first_ / kGroupSize; }
   /// Blocks whose parents lie in a cluster of parents.
   [[nodiscard]] const std::vector<uint>& BlocksIn(uint cluster) const { return blocks_of_cluster_[cluster]; }
@@ -45,12 +46,14 @@ class SplitPool {
 
   /// Balls to send to the device before the next frame's lists are built.
   [[nodiscard]] const std::vector<SplitUpload>& uploads() const { return uploads_; }
+  /// Forgets the uploads after they were sent.
   void Uploaded() { uploads_.clear(); }
+  /// Number of requests so far that found no free block.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
   /// Writes the state from the device's list of balls, after the uploads.
   void Save(std::span<const vec4> balls, simulation::CarvedState& state) const;
-  /// The device's lists.
+  /// The device's lists of balls and of blocks.
   struct DeviceState {
     std::vector<vec4> balls;
     std::vector<Block> blocks;
@@ -58,7 +61,8 @@ class SplitPool {
   /// Returns the device's lists for a state; forgets all balls that were split before.
   /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
   [[nodiscard]] DeviceState Load(const simulation::CarvedState& state);
-  /// Converts the indices of the contact memory's balls between a state and the device.
+  /// Converts the indices of the contact memory's bone balls, from the device's to a saved state's and back.
+  /// ToSaved drops the pairs with children of a block that is free again.
   void ToSaved(simulation::ContactMemory& contact) const;
   void FromSaved(simulation::ContactMemory& contact) const;
 
@@ -71,11 +75,13 @@ class SplitPool {
   [[nodiscard]] float MinChildRadius_mm(std::uint32_t parent) const {
     return static_cast<float>(1e3 * splitter_.MinChildRadius_m(parent));
   }
+  // Reserves a free block for a parent's children.
   uint TakeBlock(std::uint32_t parent);
   void FreeBlock(uint block);
 
   simulation::BallSplitter splitter_;
-  std::size_t parents_, first_;
+  std::size_t parents_;                ///< number of parents
+  std::size_t first_;                  ///< index of the first child in the device's list
   std::vector<std::int32_t> block_;    ///< block of each parent; -1: none
   std::vector<std::uint32_t> parent_;  ///< parent of each block that was ever in use
   std::set<uint> free_;                ///< blocks that were in use and are free now

@@ -7,13 +7,15 @@
 namespace osteon::gpu {
 namespace {
 
+// Box around the centres of these balls [m, T].
 Eigen::AlignedBox3d BoxOf(const ToolLayout& layout, std::span<const uint> members) {
   Eigen::AlignedBox3d box;
   for (const uint t : members) box.extend(layout.balls[t].center_T_m);
   return box;
 }
 
-// Halves the members along the longest side until a group is small enough.
+// Halves the members along the longest side of their box until a group has at most kToolGroup balls, and adds
+// the groups to the layout.
 void AddGroups(ToolLayout& layout, std::span<uint> members) {
   if (members.empty()) return;
   const Eigen::AlignedBox3d box = BoxOf(layout, members);

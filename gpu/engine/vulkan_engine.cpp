@@ -64,35 +64,38 @@ VulkanEngine::~VulkanEngine() {
 }
 
 simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input) {
-  Impl& it = *impl_;
-  if (it.lost || !IsUsable(input)) {
+  Impl& impl = *impl_;
+  if (impl.lost || !IsUsable(input)) {
     simulation::ContactModel refused;
-    refused.status = it.lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
+    refused.status = impl.lost ? simulation::EngineStatus::kDeviceLost : simulation::EngineStatus::kBadInput;
     return refused;
   }
-  if (!it.memory.has_proxy) it.memory.X_GP = it.X_WG.inverse() * Pose(input.X_WT);
-  const Pose X_WP = it.X_WG * it.memory.X_GP;
-  return StepInParts(input, X_WP, simulation::SubframeCount(it.lever_m, X_WP, Pose(input.X_WT)), it.memory,
-                     [&it](const simulation::FrameInput& part) { return it.Step(part); });
+  if (!impl.memory.has_proxy) impl.memory.X_GP = impl.X_WG.inverse() * Pose(input.X_WT);
+  const Pose X_WP = impl.X_WG * impl.memory.X_GP;
+  return StepInParts(input, X_WP, simulation::SubframeCount(impl.lever_m, X_WP, Pose(input.X_WT)),
+                     impl.memory, [&impl](const simulation::FrameInput& part) { return impl.Step(part); });
 }
 
+// Runs one subframe, with lists of an earlier one or with new lists.
 simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& input) {
   simulation::ContactModel refused;
   const Frame prepared = PrepareFrame(input);
-  const bool reach =
+  const bool lists_reach_far_enough =
       prepared.ball_reach_mm <= lists.ball_reach_mm && prepared.point_reach_mm <= lists.point_reach_mm;
-  const auto beyond = [&](float cutting_mm, float shaft_mm) {
+  // displacements of the tool since the lists were built, by kind of tool ball
+  const auto exceeds_skin = [&](float cutting_mm, float shaft_mm) {
     return cutting_mm > frame_constants.cutting_skin_mm || shaft_mm > frame_constants.shaft_skin_mm;
   };
-  // Lists serve while first contact is near where they were built. The host guesses where that is likely, and
-  // the device checks it.
+  // Lists serve while first contact is near the pose where they were built. The host guesses whether it is;
+  // the device checks the guess and sets needs_rebuild.
   FrameMode mode = FrameMode::kLists;
   const bool was_split = pool && !pool->uploads().empty();
-  if (had_no_contact && (!lists.made || was_split ||
-                         beyond(prepared.cutting_displacement_goal_mm, prepared.shaft_displacement_goal_mm)))
+  if (had_no_contact &&
+      (!lists.made || was_split ||
+       exceeds_skin(prepared.cutting_displacement_goal_mm, prepared.shaft_displacement_goal_mm)))
     mode = FrameMode::kListsAtContact;
-  else if (!lists.made || was_split || !reach ||
-           beyond(prepared.cutting_displacement_start_mm, prepared.shaft_displacement_start_mm))
+  else if (!lists.made || was_split || !lists_reach_far_enough ||
+           exceeds_skin(prepared.cutting_displacement_start_mm, prepared.shaft_displacement_start_mm))
     mode = FrameMode::kListsAtProxy;
   bool done = RunFrame(prepared, mode);
   if (done && program->result().needs_rebuild != 0 && mode != FrameMode::kListsAtContact)
@@ -117,15 +120,15 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
 }
 
 simulation::CarvedState VulkanEngine::Snapshot() const {
-  simulation::CarvedState state, books;
-  ToState(impl_->memory, books);
-  if (impl_->lost) return books;
-  state = books;
+  simulation::CarvedState state, memory_only;  // memory_only: without balls and points
+  ToState(impl_->memory, memory_only);
+  if (impl_->lost) return memory_only;
+  state = memory_only;
   try {
     impl_->ReadState(state);
   } catch (const vk::SystemError&) {
     impl_->lost = true;
-    return books;
+    return memory_only;
   }
   return state;
 }
@@ -163,6 +166,7 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
   }
 }
 
+// Writes balls and points to the device, and takes over the frame memory.
 void VulkanEngine::Impl::WriteState(const simulation::CarvedState& state) {
   if (pool) {
     const SplitPool::DeviceState loaded = pool->Load(state);

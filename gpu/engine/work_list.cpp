@@ -24,12 +24,12 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
   hits_.clear();
   clusters_.clear();
   bool overflow = false;
-  const auto add = [&](uint cluster) {
+  const auto count_hit = [&](uint cluster) {
     if (counts_[cluster].all == 0) clusters_.push_back(cluster);
     ++counts_[cluster].all;
   };
-  // If a group may meet a cluster, each of the group's balls is tested, in ascending order, so that every
-  // cluster's list ascends.
+  // If a group's bounding ball may meet a cluster, each of the group's balls is tested, in ascending order,
+  // so that every cluster's list ascends.
   for (const BallSweep& group : groups) {
     if (group.radius_mm >= 0.0f)
       tree.VisitOverlapping(group.a, group.b, group.radius_mm, [&](uint cluster) {
@@ -37,12 +37,13 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
         if (!overflow)
           near_.push_back(cluster);
         else
-          add(cluster);
+          count_hit(cluster);
       });
     end_.push_back(near_.size());
   }
+  // When a buffer is too short, every cluster that a group meets is listed with all tool balls.
   if (overflow)
-    for (const uint cluster : near_) add(cluster);
+    for (const uint cluster : near_) count_hit(cluster);
   for (uint t = 0; t < balls.size() && !overflow; ++t) {
     if (balls[t].radius_mm < 0.0f) continue;
     const ClusterTree::Sweep sweep(balls[t].a, balls[t].b, balls[t].radius_mm);
@@ -50,7 +51,7 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
     for (std::size_t i = g == 0 ? 0 : end_[g - 1]; i < end_[g]; ++i) {
       const uint cluster = near_[i];
       if (!tree.Overlaps(sweep, cluster)) continue;
-      add(cluster);
+      count_hit(cluster);
       if (tool_->Cuts(t)) ++counts_[cluster].cutters;
       if (hits_.size() < hits_.capacity()) hits_.push_back({.cluster = cluster, .ball = t});
     }
@@ -58,7 +59,7 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
   std::size_t needed = refs_.size();
   for (const uint cluster : clusters_) needed += counts_[cluster].all;
   overflow = overflow || needed > ref_capacity_;
-  uint place = static_cast<uint>(refs_.size());
+  uint next_ref = static_cast<uint>(refs_.size());
   if (!overflow) refs_.resize(needed);
   for (const uint cluster : clusters_) {
     Count& count = counts_[cluster];
@@ -69,9 +70,9 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
                        .count = static_cast<uint>(balls.size())});
       continue;
     }
-    items.push_back({.cluster = cluster, .first = place, .cutters = count.cutters, .count = count.all});
-    place += std::exchange(count.all, place);  // from here on: index of the cluster's next ball in the tool
-                                               // refs
+    items.push_back({.cluster = cluster, .first = next_ref, .cutters = count.cutters, .count = count.all});
+    next_ref += std::exchange(count.all, next_ref);  // from here on: index of the cluster's next ball in the
+                                                     // tool refs
   }
   if (!overflow)
     for (const Hit& hit : hits_) refs_[counts_[hit.cluster].all++] = hit.ball;

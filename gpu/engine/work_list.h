@@ -41,7 +41,7 @@ class WorkList {
   const ToolLayout* tool_;
   std::size_t ref_capacity_;
   std::vector<uint> refs_;
-  std::vector<uint> near_;        // clusters, group after group
+  std::vector<uint> near_;        // clusters that each group's bounding ball meets, group after group
   std::vector<std::size_t> end_;  // end of each group's clusters in near_
   std::vector<Hit> hits_;
   struct Count {

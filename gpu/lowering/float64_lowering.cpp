@@ -16,8 +16,11 @@ namespace {
 
 using namespace spirv;
 
+// Smallest magnitude of a constant other than 0: its reciprocal stays within a float's range.
 constexpr double kMinConstant = 1e-30;
 
+// Goes once through a module's instructions and emits their replacements. A "pair" is a double-single: a vec2
+// that stands for a double.
 class Lowering {
  public:
   explicit Lowering(Module module) : header_(std::move(module.header)), in_(std::move(module.instructions)) {}
@@ -34,54 +37,60 @@ class Lowering {
  private:
   // Finds the functions of double_single.glsl. Their names end with their parameters: "DsAdd(vf2;vf2;".
   void FindNames() {
-    for (const Instruction& at : in_)
-      if (at.op == kName) {
-        const std::string name = NameOf(at);
+    for (const Instruction& instruction : in_)
+      if (instruction.op == kName) {
+        const std::string name = NameOf(instruction);
         if (name.starts_with("Ds") && name.find('(') != name.npos)
-          functions_[name.substr(0, name.find('('))] = at.words[0];
+          functions_[name.substr(0, name.find('('))] = instruction.words[0];
       }
   }
 
+  // Finds the ids of the types that are replaced or used, and the type of each value.
   void FindTypes() {
-    for (const Instruction& at : in_) {
-      if (at.op == kTypeFloat && at.words[1] == 64) double_ = at.words[0];
-      if (at.op == kTypeFloat && at.words[1] == 32) float_ = at.words[0];
-      if (at.op == kTypeInt && at.words[1] == 32 && at.words[2] == 0) uint_ = at.words[0];
-      if (at.op == kTypeVector) vectors_[at.words[0]] = {at.words[1], at.words[2]};
-      if (at.op == kTypeVector && at.words[1] == float_ && at.words[2] == 2) pair_ = at.words[0];
-      if (at.op == kFunction) function_result_[at.words[1]] = at.words[0];
-      if (HasTypedResult(at.op)) type_of_[at.words[1]] = at.words[0];
+    for (const Instruction& instruction : in_) {
+      if (instruction.op == kTypeFloat && instruction.words[1] == 64) double_ = instruction.words[0];
+      if (instruction.op == kTypeFloat && instruction.words[1] == 32) float_ = instruction.words[0];
+      if (instruction.op == kTypeInt && instruction.words[1] == 32 && instruction.words[2] == 0)
+        uint_ = instruction.words[0];
+      if (instruction.op == kTypeVector)
+        vectors_[instruction.words[0]] = {instruction.words[1], instruction.words[2]};
+      if (instruction.op == kTypeVector && instruction.words[1] == float_ && instruction.words[2] == 2)
+        pair_ = instruction.words[0];
+      if (instruction.op == kFunction) function_result_[instruction.words[1]] = instruction.words[0];
+      if (HasTypedResult(instruction.op)) type_of_[instruction.words[1]] = instruction.words[0];
     }
     if (double_ == 0 || pair_ == 0) throw std::runtime_error("no doubles, or no double_single.glsl");
   }
 
-  // Number of components of a type of doubles; 0 for another type.
-  [[nodiscard]] Word Size(Word type) const {
+  // Number of doubles in a scalar or vector type; 0 for a type without doubles.
+  [[nodiscard]] Word DoublesInType(Word type) const {
     if (type == double_) return 1;
     const auto found = vectors_.find(type);
     return found != vectors_.end() && found->second.first == double_ ? found->second.second : 0;
   }
-  [[nodiscard]] Word SizeOf(Word value) const {
+  [[nodiscard]] Word DoublesIn(Word value) const {
     const auto found = type_of_.find(value);
-    return found == type_of_.end() ? 0 : Size(found->second);
+    return found == type_of_.end() ? 0 : DoublesInType(found->second);
   }
   // Number of components of any vector or scalar.
-  [[nodiscard]] Word AnySize(Word type) const {
+  [[nodiscard]] Word ComponentCount(Word type) const {
     const auto found = vectors_.find(type);
     return found == vectors_.end() ? 1 : found->second.second;
   }
-  [[nodiscard]] Word Mapped(Word type) const { return type == double_ ? pair_ : type; }
+  [[nodiscard]] Word LoweredType(Word type) const { return type == double_ ? pair_ : type; }
   Word NewId() { return header_[3]++; }
 
+  // EmitNew returns the id of its result; `type` is the type before the lowering.
   void Emit(Op op, Words words) { out_.push_back({op, std::move(words)}); }
   Word EmitNew(Op op, Word type, std::initializer_list<Word> rest) {
     const Word id = NewId();
-    Words words{Mapped(type), id};
+    Words words{LoweredType(type), id};
     words.insert(words.end(), rest);
     Emit(op, std::move(words));
     type_of_[id] = type;
     return id;
   }
+  // Emits a call of a function of double_single.glsl; the result gets this id.
   void CallInto(Word id, const char* name, const Words& arguments) {
     const auto found = functions_.find(name);
     if (found == functions_.end()) throw std::runtime_error(std::string("no function ") + name);
@@ -94,34 +103,37 @@ class Lowering {
     CallInto(id, name, arguments);
     return id;
   }
+  // Returns the id of component i; a scalar is its own component.
   Word Component(Word value, Word i) {
     const Word type = type_of_.at(value);
-    if (type == double_ || AnySize(type) == 1) return value;
+    if (type == double_ || ComponentCount(type) == 1) return value;
     return EmitNew(kCompositeExtract, vectors_.at(type).first, {value, i});
   }
-  void Build(const Instruction& at, const Words& components) {
-    Words words{Mapped(at.words[0]), at.words[1]};
+  // Emits the instruction's result as a composite of these components.
+  void EmitComposite(const Instruction& instruction, const Words& components) {
+    Words words{LoweredType(instruction.words[0]), instruction.words[1]};
     if (components.size() == 1) throw std::logic_error("a scalar is not built");
     words.insert(words.end(), components.begin(), components.end());
     Emit(kCompositeConstruct, std::move(words));
   }
-  // Lowers an operation component by component: `of(i, id)` emits the one with this result.
+  // Lowers an operation component by component: `of(i, id)` emits component i with the result `id`.
   template <class OfComponent>
-  void Each(const Instruction& at, OfComponent&& of) {
-    const Word size = AnySize(at.words[0]);
-    if (size == 1) return of(0, at.words[1]);
+  void LowerEachComponent(const Instruction& instruction, OfComponent&& of) {
+    const Word size = ComponentCount(instruction.words[0]);
+    if (size == 1) return of(0, instruction.words[1]);
     Words components;
     for (Word i = 0; i < size; ++i) {
       components.push_back(NewId());
       of(i, components.back());
     }
-    Build(at, components);
+    EmitComposite(instruction, components);
   }
-  void Componentwise(const Instruction& at, const char* name, const Words& operands) {
-    Each(at, [&](Word i, Word id) {
-      Words own;
-      for (const Word operand : operands) own.push_back(Component(operand, i));
-      CallInto(id, name, own);
+  // Lowers an operation to one call for each component.
+  void CallForEachComponent(const Instruction& instruction, const char* name, const Words& operands) {
+    LowerEachComponent(instruction, [&](Word i, Word id) {
+      Words component_operands;
+      for (const Word operand : operands) component_operands.push_back(Component(operand, i));
+      CallInto(id, name, component_operands);
     });
   }
   // The float that component i was converted from, or a constant float; 0 for a component that has a
@@ -131,6 +143,8 @@ class Lowering {
     if (found == float_of_.end()) return 0;
     return Component(found->second, i);
   }
+  // Add, Subtract and Multiply emit component i of the result as `id`. They call DsAddFloat and
+  // DsMulFloat where one operand has no remainder.
   void Add(Word id, Word a, Word b, Word i) {
     if (const Word of_b = FloatOf(b, i)) return CallInto(id, "DsAddFloat", {Component(a, i), of_b});
     if (const Word of_a = FloatOf(a, i)) return CallInto(id, "DsAddFloat", {Component(b, i), of_a});
@@ -149,18 +163,18 @@ class Lowering {
     CallInto(id, "DsMul", {Component(a, i), Component(b, i)});
   }
   Word Dot(Word a, Word b) {
-    if (SizeOf(a) == 3)
+    if (DoublesIn(a) == 3)
       return Call("DsDot", {Component(a, 0), Component(a, 1), Component(a, 2), Component(b, 0),
                             Component(b, 1), Component(b, 2)});
     Word sum = 0;
-    for (Word i = 0; i < SizeOf(a); ++i) {
+    for (Word i = 0; i < DoublesIn(a); ++i) {
       const Word product = Call("DsMul", {Component(a, i), Component(b, i)});
       sum = i == 0 ? product : Call("DsAdd", {sum, product});
     }
     return sum;
   }
 
-  // ---- before the functions
+  // ---- module scope: types, constants, decorations
 
   Word FloatConstant(float value) {
     const Word id = NewId();
@@ -169,12 +183,12 @@ class Lowering {
     return id;
   }
 
-  // The types that double-singles are made of come first.
+  // Emits the types that double-singles are made of, since all lowered types refer to them.
   void EmitTypes() {
-    for (const Instruction& at : in_)
-      if ((at.op == kTypeFloat || at.op == kTypeInt || at.op == kTypeVector) &&
-          (at.words[0] == float_ || at.words[0] == uint_ || at.words[0] == pair_))
-        out_.push_back(at);
+    for (const Instruction& instruction : in_)
+      if ((instruction.op == kTypeFloat || instruction.op == kTypeInt || instruction.op == kTypeVector) &&
+          (instruction.words[0] == float_ || instruction.words[0] == uint_ || instruction.words[0] == pair_))
+        out_.push_back(instruction);
     for (Word size = 2; size <= 4; ++size) {
       sizes_[size] = NewId();
       Emit(kConstant, {uint_, sizes_[size], size});
@@ -183,22 +197,23 @@ class Lowering {
     types_begun_ = true;
   }
 
-  void LowerGlobal(const Instruction& at) {
-    const Words& w = at.words;
-    if (at.op == kCapability && w[0] == kCapabilityFloat64) return;
-    if (at.op == kDecorate && w[1] == kNoContraction && SizeOf(w[0]) > 0) return;
-    if (!types_begun_ && at.op >= kTypeVoid && at.op <= kTypeFunction) {
+  // Lowers one instruction outside functions.
+  void LowerGlobal(const Instruction& instruction) {
+    const Words& w = instruction.words;
+    if (instruction.op == kCapability && w[0] == kCapabilityFloat64) return;
+    if (instruction.op == kDecorate && w[1] == kNoContraction && DoublesIn(w[0]) > 0) return;
+    if (!types_begun_ && instruction.op >= kTypeVoid && instruction.op <= kTypeFunction) {
       end_of_decorations_ = out_.size();
       EmitTypes();
     }
-    if (at.op <= kTypeFunction && at.op >= kTypeVoid &&
+    if (instruction.op <= kTypeFunction && instruction.op >= kTypeVoid &&
         (w[0] == float_ || w[0] == uint_ || w[0] == pair_ || w[0] == double_))
       return;
-    Instruction lowered = at;
-    if (at.op == kTypeVector && w[1] == double_) {
+    Instruction lowered = instruction;
+    if (instruction.op == kTypeVector && w[1] == double_) {
       lowered = {kTypeArray, {w[0], pair_, sizes_[w[2]]}};
       decorations_.push_back({kDecorate, {w[0], kArrayStride, 8}});
-    } else if (at.op == kConstant && w[0] == double_) {
+    } else if (instruction.op == kConstant && w[0] == double_) {
       double value = std::bit_cast<double>(static_cast<std::uint64_t>(w[3]) << 32 | w[2]);
       if (value != 0.0 && std::abs(value) < kMinConstant) value = std::copysign(kMinConstant, value);
       const float nearest = static_cast<float>(value);
@@ -206,175 +221,190 @@ class Lowering {
                  y = FloatConstant(static_cast<float>(value - static_cast<double>(nearest)));
       lowered = {kConstantComposite, {pair_, w[1], x, y}};
       if (value == static_cast<double>(nearest)) float_of_[w[1]] = x;
-    } else if (at.op == kTypeArray || at.op == kTypeRuntimeArray || at.op == kTypeStruct ||
-               at.op == kTypePointer || at.op == kTypeFunction) {
-      const std::size_t first = at.op == kTypePointer ? 2 : 1;  // a storage class stands before the type
-      for (std::size_t i = first; i < (at.op == kTypeArray ? 2 : w.size()); ++i)
-        lowered.words[i] = Mapped(w[i]);
-      if (at.op == kTypeFunction) {
+    } else if (instruction.op == kTypeArray || instruction.op == kTypeRuntimeArray ||
+               instruction.op == kTypeStruct || instruction.op == kTypePointer ||
+               instruction.op == kTypeFunction) {
+      // a pointer has its storage class before the type
+      const std::size_t first = instruction.op == kTypePointer ? 2 : 1;
+      for (std::size_t i = first; i < (instruction.op == kTypeArray ? 2 : w.size()); ++i)
+        lowered.words[i] = LoweredType(w[i]);
+      if (instruction.op == kTypeFunction) {
+        // keep one of the types that have become equal: SPIR-V forbids duplicates
         const Words signature(lowered.words.begin() + 1, lowered.words.end());
         const auto [known, is_new] = signatures_.try_emplace(signature, w[0]);
         same_signature_[w[0]] = known->second;
         if (!is_new) return;
       }
-    } else if (at.op >= kConstantTrue && at.op <= kVariable) {
-      lowered.words[0] = Mapped(w[0]);
+    } else if (instruction.op >= kConstantTrue && instruction.op <= kVariable) {
+      lowered.words[0] = LoweredType(w[0]);
     }
     out_.push_back(std::move(lowered));
   }
 
-  // ---- in functions
+  // ---- functions
 
-  void LowerInFunction(const Instruction& at) {
-    const Words& w = at.words;
-    if (at.op == kFunction) {
+  // Copies the functions of double_single.glsl, and lowers those of the shader.
+  void LowerInFunction(const Instruction& instruction) {
+    const Words& w = instruction.words;
+    if (instruction.op == kFunction) {
       in_pair_function_ =
           std::ranges::any_of(functions_, [&](const auto& named) { return named.second == w[1]; });
-      Emit(kFunction, {Mapped(w[0]), w[1], w[2], same_signature_.at(w[3])});
+      Emit(kFunction, {LoweredType(w[0]), w[1], w[2], same_signature_.at(w[3])});
       return;
     }
     if (in_pair_function_) {
-      if (at.op == kFAdd || at.op == kFSub || at.op == kFMul || at.op == kFDiv ||
-          (at.op == kExtInst && w[3] == kFma))
+      if (instruction.op == kFAdd || instruction.op == kFSub || instruction.op == kFMul ||
+          instruction.op == kFDiv || (instruction.op == kExtInst && w[3] == kFma))
         decorations_.push_back({kDecorate, {w[1], kNoContraction}});
-      out_.push_back(at);
+      out_.push_back(instruction);
       return;
     }
-    const bool makes = HasTypedResult(at.op);
-    const Word made = makes ? Size(w[0]) : 0;
-    const Word given = makes && w.size() > 2 ? SizeOf(at.op == kExtInst ? w.at(4) : w[2]) : 0;
-    if (made > 0 || given > 0) {
-      if (LowerArithmetic(at, made)) return;
+    const bool has_result = HasTypedResult(instruction.op);
+    const Word result_doubles = has_result ? DoublesInType(w[0]) : 0;
+    const Word operand_doubles =
+        has_result && w.size() > 2 ? DoublesIn(instruction.op == kExtInst ? w.at(4) : w[2]) : 0;
+    if (result_doubles > 0 || operand_doubles > 0) {
+      if (LowerArithmetic(instruction, result_doubles)) return;
     }
-    Instruction lowered = at;
-    if (makes) lowered.words[0] = Mapped(w[0]);
+    Instruction lowered = instruction;
+    if (has_result) lowered.words[0] = LoweredType(w[0]);
     out_.push_back(std::move(lowered));
   }
 
-  // Lowers an arithmetic instruction. Returns false for an instruction that only moves values.
-  bool LowerArithmetic(const Instruction& at, Word made) {
-    const Words& w = at.words;
-    switch (at.op) {
+  // Lowers an arithmetic instruction, whose result has this number of doubles. Returns false for an
+  // instruction that only moves values.
+  bool LowerArithmetic(const Instruction& instruction, Word result_doubles) {
+    const Words& w = instruction.words;
+    switch (instruction.op) {
       case kFAdd:
-        return Each(at, [&](Word i, Word id) { Add(id, w[2], w[3], i); }), true;
+        return LowerEachComponent(instruction, [&](Word i, Word id) { Add(id, w[2], w[3], i); }), true;
       case kFSub:
-        return Each(at, [&](Word i, Word id) { Subtract(id, w[2], w[3], i); }), true;
+        return LowerEachComponent(instruction, [&](Word i, Word id) { Subtract(id, w[2], w[3], i); }), true;
       case kFMul:
-        return Each(at, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
+        return LowerEachComponent(instruction, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
       case kFDiv:
-        return Componentwise(at, "DsDiv", {w[2], w[3]}), true;
+        return CallForEachComponent(instruction, "DsDiv", {w[2], w[3]}), true;
       case kVectorTimesScalar:
-        return Each(at, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
+        return LowerEachComponent(instruction, [&](Word i, Word id) { Multiply(id, w[2], w[3], i); }), true;
       case kDot:
         return Emit(kCopyObject, {pair_, w[1], Dot(w[2], w[3])}), true;
       case kFNegate:
-        return Each(at, [&](Word i, Word id) { Emit(kFNegate, {pair_, id, Component(w[2], i)}); }), true;
+        return LowerEachComponent(instruction,
+                                  [&](Word i, Word id) {
+                                    Emit(kFNegate, {pair_, id, Component(w[2], i)});
+                                  }),
+               true;
       case kFOrdEqual:
-        return Componentwise(at, "DsEqual", {w[2], w[3]}), true;
+        return CallForEachComponent(instruction, "DsEqual", {w[2], w[3]}), true;
       case kFOrdNotEqual:
       case kFUnordNotEqual:
-        return Each(at,
-                    [&](Word i, Word id) {
-                      const Word equal = Call("DsEqual", {Component(w[2], i), Component(w[3], i)});
-                      Emit(kLogicalNot, {function_result_[functions_.at("DsEqual")], id, equal});
-                    }),
+        return LowerEachComponent(
+                   instruction,
+                   [&](Word i, Word id) {
+                     const Word equal = Call("DsEqual", {Component(w[2], i), Component(w[3], i)});
+                     Emit(kLogicalNot, {function_result_[functions_.at("DsEqual")], id, equal});
+                   }),
                true;
       case kFOrdLessThan:
-        return Componentwise(at, "DsLess", {w[2], w[3]}), true;
+        return CallForEachComponent(instruction, "DsLess", {w[2], w[3]}), true;
       case kFOrdGreaterThan:
-        return Componentwise(at, "DsLess", {w[3], w[2]}), true;
+        return CallForEachComponent(instruction, "DsLess", {w[3], w[2]}), true;
       case kFOrdLessThanEqual:
-        return Componentwise(at, "DsLessEqual", {w[2], w[3]}), true;
+        return CallForEachComponent(instruction, "DsLessEqual", {w[2], w[3]}), true;
       case kFOrdGreaterThanEqual:
-        return Componentwise(at, "DsLessEqual", {w[3], w[2]}), true;
+        return CallForEachComponent(instruction, "DsLessEqual", {w[3], w[2]}), true;
       case kFConvert:
-        if (made > 0) float_of_[w[1]] = w[2];
-        return Each(at,
-                    [&](Word i, Word id) {
-                      if (made > 0)
-                        Emit(kCompositeConstruct, {pair_, id, Component(w[2], i), zero_});
-                      else
-                        Emit(kCompositeExtract, {float_, id, Component(w[2], i), 0});
-                    }),
+        if (result_doubles > 0) float_of_[w[1]] = w[2];
+        return LowerEachComponent(instruction,
+                                  [&](Word i, Word id) {
+                                    if (result_doubles > 0)
+                                      Emit(kCompositeConstruct, {pair_, id, Component(w[2], i), zero_});
+                                    else
+                                      Emit(kCompositeExtract, {float_, id, Component(w[2], i), 0});
+                                  }),
                true;
       case kConvertSToF:
-        return Componentwise(at, "DsFromInt", {w[2]}), true;
+        return CallForEachComponent(instruction, "DsFromInt", {w[2]}), true;
       case kConvertUToF:
-        return Componentwise(at, "DsFromUint", {w[2]}), true;
+        return CallForEachComponent(instruction, "DsFromUint", {w[2]}), true;
       case kConvertFToS:
-        return Componentwise(at, "DsToInt", {w[2]}), true;
+        return CallForEachComponent(instruction, "DsToInt", {w[2]}), true;
       case kConvertFToU:
-        return Componentwise(at, "DsToUint", {w[2]}), true;
+        return CallForEachComponent(instruction, "DsToUint", {w[2]}), true;
       case kSelect:
-        if (AnySize(type_of_.at(w[2])) == 1) return false;
-        return Each(at,
-                    [&](Word i, Word id) {
-                      Emit(kSelect, {pair_, id, Component(w[2], i), Component(w[3], i), Component(w[4], i)});
-                    }),
+        if (ComponentCount(type_of_.at(w[2])) == 1) return false;
+        return LowerEachComponent(
+                   instruction,
+                   [&](Word i, Word id) {
+                     Emit(kSelect, {pair_, id, Component(w[2], i), Component(w[3], i), Component(w[4], i)});
+                   }),
                true;
       case kVectorShuffle: {
         Words components;
-        const Word first = SizeOf(w[2]);
+        const Word first = DoublesIn(w[2]);
         for (std::size_t i = 4; i < w.size(); ++i)
           components.push_back(w[i] < first ? Component(w[2], w[i]) : Component(w[3], w[i] - first));
-        return Build(at, components), true;
+        return EmitComposite(instruction, components), true;
       }
       case kCompositeConstruct: {
-        if (made == 0) return false;
+        if (result_doubles == 0) return false;
         Words components;
         for (std::size_t k = 2; k < w.size(); ++k)
-          for (Word i = 0; i < SizeOf(w[k]); ++i) components.push_back(Component(w[k], i));
-        return Build(at, components), true;
+          for (Word i = 0; i < DoublesIn(w[k]); ++i) components.push_back(Component(w[k], i));
+        return EmitComposite(instruction, components), true;
       }
       case kBroadcast:
-        if (made == 1) return false;
-        return Each(at,
-                    [&](Word i, Word id) {
-                      Emit(kBroadcast, {pair_, id, w[2], Component(w[3], i), w[4]});
-                    }),
+        if (result_doubles == 1) return false;
+        return LowerEachComponent(instruction,
+                                  [&](Word i, Word id) {
+                                    Emit(kBroadcast, {pair_, id, w[2], Component(w[3], i), w[4]});
+                                  }),
                true;
       case kGroupFMin:
         return CallInto(w[1], "DsSubgroupMin", {w[4]}), true;
       case kGroupFMax:
         return CallInto(w[1], "DsSubgroupMax", {w[4]}), true;
       case kExtInst:
-        return LowerGlsl(at), true;
+        return LowerGlsl(instruction), true;
       default:
-        if (at.op >= kConvertFToU && at.op <= kFOrdGreaterThanEqual + 1)
-          throw std::runtime_error("an unknown operation on doubles: " + std::to_string(at.op));
+        if (instruction.op >= kConvertFToU && instruction.op <= kFOrdGreaterThanEqual + 1)
+          throw std::runtime_error("an unknown operation on doubles: " + std::to_string(instruction.op));
         return false;
     }
   }
 
-  void LowerGlsl(const Instruction& at) {
-    const Words& w = at.words;
+  // Lowers a function of GLSL.std.450.
+  void LowerGlsl(const Instruction& instruction) {
+    const Words& w = instruction.words;
     switch (w[3]) {
       case kFAbs:
-        return Componentwise(at, "DsAbs", {w[4]});
+        return CallForEachComponent(instruction, "DsAbs", {w[4]});
       case kFloor:
-        return Componentwise(at, "DsFloor", {w[4]});
+        return CallForEachComponent(instruction, "DsFloor", {w[4]});
       case kSqrt:
-        return Componentwise(at, "DsSqrt", {w[4]});
+        return CallForEachComponent(instruction, "DsSqrt", {w[4]});
       case kFMin:
-        return Componentwise(at, "DsMin", {w[4], w[5]});
+        return CallForEachComponent(instruction, "DsMin", {w[4], w[5]});
       case kFMax:
-        return Componentwise(at, "DsMax", {w[4], w[5]});
+        return CallForEachComponent(instruction, "DsMax", {w[4], w[5]});
       case kFClamp:
-        return Each(at, [&](Word i, Word id) {
+        return LowerEachComponent(instruction, [&](Word i, Word id) {
           const Word low = Call("DsMax", {Component(w[4], i), Component(w[5], i)});
           CallInto(id, "DsMin", {low, Component(w[6], i)});
         });
       case kPackDouble:
       case kUnpackDouble:
-        return Emit(kBitcast, {Mapped(w[0]), w[1], w[4]});
+        return Emit(kBitcast, {LoweredType(w[0]), w[1], w[4]});
       case kLength:
         return CallInto(w[1], "DsSqrt", {Dot(w[4], w[4])});
       case kNormalize: {
         const Word length = Call("DsSqrt", {Dot(w[4], w[4])});
-        return Each(at, [&](Word i, Word id) { CallInto(id, "DsDiv", {Component(w[4], i), length}); });
+        return LowerEachComponent(instruction, [&](Word i, Word id) {
+          CallInto(id, "DsDiv", {Component(w[4], i), length});
+        });
       }
       case kCross:
-        return Each(at, [&](Word i, Word id) {
+        return LowerEachComponent(instruction, [&](Word i, Word id) {
           const Word j = (i + 1) % 3, k = (i + 2) % 3;
           const Word one = Call("DsMul", {Component(w[4], j), Component(w[5], k)});
           const Word other = Call("DsMul", {Component(w[4], k), Component(w[5], j)});
@@ -385,6 +415,7 @@ class Lowering {
     }
   }
 
+  // Puts the new decorations where SPIR-V wants them: before the types.
   Words Assemble() {
     out_.insert(out_.begin() + static_cast<std::ptrdiff_t>(end_of_decorations_), decorations_.begin(),
                 decorations_.end());
@@ -393,14 +424,14 @@ class Lowering {
 
   Words header_;  // its fourth word: one more than the largest id
   std::vector<Instruction> in_, out_;
-  std::vector<Instruction> decorations_;  // new decorations
+  std::vector<Instruction> decorations_;  // those that the lowering adds
   std::size_t end_of_decorations_{0};
   std::map<std::string, Word> functions_;          // ids of the functions of double_single.glsl, by name
   std::map<Word, Word> function_result_;           // type of a function's result
   std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number
   std::map<Word, Word> type_of_;                   // type of a value in the original module
   std::map<Word, Word> float_of_;                  // the float that was converted to this double
-  std::map<Words, Word> signatures_;
+  std::map<Words, Word> signatures_;     // lowered function types: their words, and the id of the first
   std::map<Word, Word> same_signature_;  // the function type that stands for this one
   std::map<Word, Word> sizes_;           // constants 2, 3, 4
   Word double_{0}, float_{0}, uint_{0}, pair_{0}, zero_{0};

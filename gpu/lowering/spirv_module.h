@@ -93,6 +93,7 @@ struct Module {
   std::vector<Instruction> instructions;
 };
 
+/// Splits a module's words into instructions, and joins them again. Does not check that the module is valid.
 [[nodiscard]] Module Read(const Words& words);
 [[nodiscard]] Words Write(const Module& module);
 

@@ -14,7 +14,7 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr std::uint32_t kMaxPasses = 16;
+constexpr std::uint32_t kMaxPasses = 16;  // of one frame: the size of the pool of timestamps
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -58,22 +58,22 @@ std::string FrameProgram::Refusal(const Context& context, const ProgramSizes& si
       (overrides.bone_ball_bits < BoneBits(sizes.balls) || overrides.bone_ball_bits > kMaxBoneBits))
     return fmt::format("{} bits for a bone ball, accepted {} … {}", overrides.bone_ball_bits,
                        BoneBits(sizes.balls), kMaxBoneBits);
-  const std::string what = fmt::format("{} balls and {} mass points", sizes.balls, sizes.points);
+  const std::string bone_size = fmt::format("{} balls and {} mass points", sizes.balls, sizes.points);
   double needed = 0.0;
   const auto buffers = BufferBytes(sizes);
   for (const uint buffer :
        {kBindLiveBalls, kBindLivePoints, kBindTool, kBindPackedPairs, kBindLiveEntries, kBindPointEntries})
     if (buffers[buffer] / sizeof(vec4) > limits.maxTexelBufferElements)
-      return fmt::format("{}: a texel buffer of {} elements, the device's largest has {}", what,
+      return fmt::format("{}: a texel buffer of {} elements, the device's largest has {}", bone_size,
                          buffers[buffer] / sizeof(vec4), limits.maxTexelBufferElements);
   for (const std::size_t bytes : buffers) {
     needed += static_cast<double>(bytes);
     if (bytes > limits.maxStorageBufferRange)
-      return fmt::format("{}: a buffer of {:.0f} MB, the device's largest is {:.0f} MB", what,
+      return fmt::format("{}: a buffer of {:.0f} MB, the device's largest is {:.0f} MB", bone_size,
                          static_cast<double>(bytes) * 1e-6, limits.maxStorageBufferRange * 1e-6);
   }
   if (needed > context.info.memory_bytes)
-    return fmt::format("{} need {:.0f} MB, the device has {:.0f} MB", what, needed * 1e-6,
+    return fmt::format("{} need {:.0f} MB, the device has {:.0f} MB", bone_size, needed * 1e-6,
                        context.info.memory_bytes * 1e-6);
   return "";
 }
@@ -168,6 +168,7 @@ void FrameProgram::MakePipelines(bool fused_fma) {
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
 
+  // specialization constants of the shaders; `entries` has their ids
   struct Constants {
     VkBool32 one_cutter;
     uint ball_clusters;
@@ -176,9 +177,9 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     VkBool32 contact_sphere;
     uint materials;
     VkBool32 on_gpu;
-    uint tool_rest;
+    uint tool_rest;  // kToolRemainder
     uint bone_bits;
-    VkBool32 lower_words;
+    VkBool32 lower_words;  // false: a pass finds only the upper words of the smallest keys
     VkBool32 fused_fma;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
@@ -203,15 +204,18 @@ void FrameProgram::MakePipelines(bool fused_fma) {
        {9, offsetof(Constants, bone_bits), sizeof(uint)},
        {10, offsetof(Constants, lower_words), sizeof(VkBool32)},
        {11, offsetof(Constants, fused_fma), sizeof(VkBool32)}}};
-  Constants wide = constants;
-  if (gpu_) wide.lanes = kWideLanes;
-  const bool words = !HasInt64(context_->arithmetic), floats = !HasDoubles(context_->arithmetic);
-  const auto add = [&](const char* name, const ShaderCode& code, const Constants& own, std::size_t groups,
-                       Then then) {
+  Constants wide_groups = constants;  // on a GPU: larger workgroups, see kWideLanes
+  if (gpu_) wide_groups.lanes = kWideLanes;
+  const bool without_int64 = !HasInt64(context_->arithmetic),
+             without_doubles = !HasDoubles(context_->arithmetic);
+  // Compiles a pass and returns its index in passes_. groups: offset of its DispatchArgs in Frame.
+  const auto add_pass = [&](const char* name, const ShaderCode& code, const Constants& own,
+                            std::size_t groups, NextPassNeeds next_needs) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
                                                 sizeof(Constants), &own);
-    const std::span<const std::uint32_t> spirv =
-        floats ? (words ? code.floats : code.floats_int64) : (words ? code.words : code.int64);
+    const std::span<const std::uint32_t> spirv = without_doubles
+                                                     ? (without_int64 ? code.floats : code.floats_int64)
+                                                     : (without_int64 ? code.words : code.int64);
     const vk::raii::ShaderModule module(device,
                                         vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
@@ -223,48 +227,54 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     if (asks_subgroup_size_) stage.pNext = &size;
     passes_.push_back(
         {name, vk::raii::Pipeline(device, nullptr, vk::ComputePipelineCreateInfo({}, stage, *layout_)),
-         groups, then, std::max(1u, own.lanes / lanes())});
+         groups, next_needs, std::max(1u, own.lanes / lanes())});
     return passes_.size() - 1;
   };
-  const std::size_t pairs = offsetof(Frame, pair_work), all = offsetof(Frame, all_work);
-  // A pass that finds smallest keys. Without 64-bit integers a first dispatch finds their upper words.
-  const auto add_minimum = [&](const char* name, const char* first, const ShaderCode& code,
-                               const Constants& own, std::size_t groups) {
+  // numbers of workgroups over the lists of pairs, and over all lists
+  const std::size_t pair_groups = offsetof(Frame, pair_work), all_groups = offsetof(Frame, all_work);
+  // Adds a pass that finds smallest keys, and returns its dispatches. Without 64-bit integers a first
+  // dispatch finds their upper words.
+  const auto add_key_pass = [&](const char* name, const char* first, const ShaderCode& code,
+                                const Constants& own, std::size_t groups) {
     std::vector<std::size_t> dispatches;
     Constants upper = own;
     upper.lower_words = VK_FALSE;
-    if (words) dispatches.push_back(add(first, code, upper, groups, Then::kReads));
-    dispatches.push_back(add(name, code, own, groups, Then::kReads));
+    if (without_int64) dispatches.push_back(add_pass(first, code, upper, groups, NextPassNeeds::kResults));
+    dispatches.push_back(add_pass(name, code, own, groups, NextPassNeeds::kResults));
     return dispatches;
   };
-  std::vector<std::size_t> rest =
-      add_minimum("near_field", "near_field_upper_words", kCode_near_field, wide, pairs);
+  // the passes in their order: indices in passes_
+  std::vector<std::size_t> after_contact =
+      add_key_pass("near_field", "near_field_upper_words", kCode_near_field, wide_groups, pair_groups);
   if (!gpu_) {
     // one subgroup computes the solution; on a GPU it belongs to the near field's last workgroup
     Constants alone = constants;
     alone.lanes = subgroup_size_;
-    rest.push_back(add("solve", kCode_solve, alone, kOne, Then::kReads));
+    after_contact.push_back(add_pass("solve", kCode_solve, alone, kOneWorkgroup, NextPassNeeds::kResults));
   }
   for (const std::size_t slide :
-       add_minimum("slide_engage", "slide_engage_upper_words", kCode_slide_engage, wide, all))
-    rest.push_back(slide);
-  rest.push_back(add("remove_clear", kCode_remove_clear, wide, offsetof(Frame, clear_work), Then::kNothing));
+       add_key_pass("slide_engage", "slide_engage_upper_words", kCode_slide_engage, wide_groups, all_groups))
+    after_contact.push_back(slide);
+  after_contact.push_back(add_pass("remove_clear", kCode_remove_clear, wide_groups,
+                                   offsetof(Frame, clear_work), NextPassNeeds::kNothing));
   if (sizes_.contact_sphere)
-    rest.insert(rest.begin(), add("touching", kCode_touching, constants, pairs, Then::kReads));
-  const std::vector<std::size_t> contact = add_minimum("contact", "contact_upper_words", kCode_contact,
-                                                       constants, pairs),
+    after_contact.insert(after_contact.begin(), add_pass("touching", kCode_touching, constants, pair_groups,
+                                                         NextPassNeeds::kResults));
+  const std::vector<std::size_t> contact = add_key_pass("contact", "contact_upper_words", kCode_contact,
+                                                        constants, pair_groups),
                                  path =
-                                     add_minimum("path_contact", "path_contact_upper_words",
-                                                 kCode_path_contact, constants, offsetof(Frame, path_work));
-  const std::vector<std::size_t> pick = {
-      add("pick_balls", kCode_pick_balls, constants, offsetof(Frame, path_work), Then::kNothing),
-      add("pick_points", kCode_pick_points, constants, offsetof(Frame, point_work), Then::kGroups)};
-  std::vector<std::size_t> before = {
-      add("flush", kCode_flush, constants, offsetof(Frame, flush_work), Then::kReads)};
+                                     add_key_pass("path_contact", "path_contact_upper_words",
+                                                  kCode_path_contact, constants, offsetof(Frame, path_work));
+  const std::vector<std::size_t> pick = {add_pass("pick_balls", kCode_pick_balls, constants,
+                                                  offsetof(Frame, path_work), NextPassNeeds::kNothing),
+                                         add_pass("pick_points", kCode_pick_points, constants,
+                                                  offsetof(Frame, point_work), NextPassNeeds::kGroupCount)};
+  std::vector<std::size_t> flush_and_load = {
+      add_pass("flush", kCode_flush, constants, offsetof(Frame, flush_work), NextPassNeeds::kResults)};
   if (sizes_.blocks > 0)
-    before.push_back(
-        add("load_children", kCode_load_children, constants, offsetof(Frame, upload_work), Then::kReads));
-  const auto in_turn = [](std::initializer_list<std::vector<std::size_t>> parts) {
+    flush_and_load.push_back(add_pass("load_children", kCode_load_children, constants,
+                                      offsetof(Frame, upload_work), NextPassNeeds::kResults));
+  const auto concatenate = [](std::initializer_list<std::vector<std::size_t>> parts) {
     std::vector<std::size_t> whole;
     for (const auto& part : parts) whole.insert(whole.end(), part.begin(), part.end());
     return whole;
@@ -272,12 +282,14 @@ void FrameProgram::MakePipelines(bool fused_fma) {
   const auto run = [&](FrameMode mode) -> std::vector<std::size_t>& {
     return run_passes_[static_cast<std::size_t>(mode)];
   };
-  run(FrameMode::kLists) = in_turn({contact, rest});
+  run(FrameMode::kLists) = concatenate({contact, after_contact});
   run(FrameMode::kListsRefreshed) =
-      in_turn({{add("refresh", kCode_refresh, constants, all, Then::kReads)}, contact, rest});
-  run(FrameMode::kListsAtProxy) = in_turn({before, pick, contact, rest});
-  run(FrameMode::kListsAtContact) = in_turn({before, path, pick, rest});
-  run(FrameMode::kFlush) = before;
+      concatenate({{add_pass("refresh", kCode_refresh, constants, all_groups, NextPassNeeds::kResults)},
+                   contact,
+                   after_contact});
+  run(FrameMode::kListsAtProxy) = concatenate({flush_and_load, pick, contact, after_contact});
+  run(FrameMode::kListsAtContact) = concatenate({flush_and_load, path, pick, after_contact});
+  run(FrameMode::kFlush) = flush_and_load;
 
   const std::array<vk::DescriptorPoolSize, 2> size{
       {{vk::DescriptorType::eStorageBuffer, kBindings}, {vk::DescriptorType::eUniformTexelBuffer, 6}}};
@@ -290,6 +302,7 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     device.updateDescriptorSets(
         vk::WriteDescriptorSet(*sets_[0], i, 0, vk::DescriptorType::eStorageBuffer, nullptr, info), nullptr);
   }
+  // Binds a read-only view of a buffer as texels of this format.
   const auto view = [&](uint binding, uint buffer, vk::Format format) {
     views_.emplace_back(device,
                         vk::BufferViewCreateInfo({}, *buffers_[buffer].buffer, format, 0, VK_WHOLE_SIZE));
@@ -312,40 +325,40 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   using Access = vk::AccessFlagBits;
   using Stage = vk::PipelineStageFlagBits;
   vk::raii::CommandBuffers made(*context_->device, {*command_pool_, vk::CommandBufferLevel::ePrimary, 1});
-  vk::raii::CommandBuffer c = std::move(made[0]);
+  vk::raii::CommandBuffer commands = std::move(made[0]);
   const auto barrier = [&](vk::PipelineStageFlags from, vk::AccessFlags wrote, vk::PipelineStageFlags to,
                            vk::AccessFlags reads) {
-    c.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
+    commands.pipelineBarrier(from, to, {}, vk::MemoryBarrier(wrote, reads), nullptr, nullptr);
   };
   const Buffer& frame = FrameBuffer();
-  c.begin(vk::CommandBufferBeginInfo());
+  commands.begin(vk::CommandBufferBeginInfo());
   std::uint32_t stamp_number = 0;
   const auto stamp = [&] {
-    if (stamp_period_ns_ > 0.0) c.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
+    if (stamp_period_ns_ > 0.0) commands.writeTimestamp(Stage::eBottomOfPipe, *stamps_, stamp_number++);
   };
-  if (stamp_period_ns_ > 0.0) c.resetQueryPool(*stamps_, 0, kMaxPasses + 1);
+  if (stamp_period_ns_ > 0.0) commands.resetQueryPool(*stamps_, 0, kMaxPasses + 1);
   if (copies_in_) {
-    c.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
+    commands.copyBuffer(*frame_in_.buffer, *frame.buffer, vk::BufferCopy(0, 0, sizeof(Frame)));
     barrier(Stage::eTransfer, Access::eTransferWrite, Stage::eComputeShader | Stage::eDrawIndirect,
             Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
   }
   stamp();
-  c.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *sets_[0], nullptr);
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *sets_[0], nullptr);
   for (const std::size_t i : passes) {
     const Pass& pass = passes_[i];
-    c.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
-    if (pass.groups == kOne) {
-      c.dispatch(1, 1, 1);
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
+    if (pass.groups == kOneWorkgroup) {
+      commands.dispatch(1, 1, 1);
     } else if (known) {
       DispatchArgs groups;
       std::memcpy(&groups, reinterpret_cast<const char*>(known) + pass.groups, sizeof(DispatchArgs));
-      c.dispatch((groups.x + pass.share - 1) / pass.share, groups.y, groups.z);
+      commands.dispatch((groups.x + pass.share - 1) / pass.share, groups.y, groups.z);
     } else
-      c.dispatchIndirect(*frame.buffer, pass.groups);
+      commands.dispatchIndirect(*frame.buffer, pass.groups);
     const vk::AccessFlags reads = Access::eShaderRead | Access::eShaderWrite;
-    if (pass.then == Then::kReads && i != passes.back())
+    if (pass.next_needs == NextPassNeeds::kResults && i != passes.back())
       barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader, reads);
-    if (pass.then == Then::kGroups)
+    if (pass.next_needs == NextPassNeeds::kGroupCount)
       barrier(Stage::eComputeShader, Access::eShaderWrite, Stage::eComputeShader | Stage::eDrawIndirect,
               reads | Access::eIndirectCommandRead);
     stamp();
@@ -354,12 +367,12 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
           Stage::eComputeShader | Stage::eDrawIndirect | Stage::eTransfer | Stage::eHost,
           Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead | Access::eTransferRead |
               Access::eHostRead);
-  c.end();
-  return c;
+  commands.end();
+  return commands;
 }
 
-// Records the passes over lists with constant sizes: the host knows them after the lists were built. Once for
-// each time they are built.
+// Records the passes over existing lists with constant sizes, which the host knows after the lists were
+// built. Does nothing while the sizes are those of the last recording.
 void FrameProgram::RecordLists(const Frame& frame) {
   const std::array<DispatchArgs, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
   if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
@@ -379,7 +392,8 @@ bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
 
 bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
   const volatile uint* number = &readback().sequence;
-  const auto is_here = [&] {
+  // The readback is complete when it has this frame's number and its checksum fits.
+  const auto is_complete = [&] {
     if (*number != sequence_) return false;
     std::atomic_thread_fence(std::memory_order_acquire);
     std::array<uint, kFrameBytes / sizeof(uint)> words;
@@ -388,23 +402,23 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
     for (const uint word : words) sum += word;
     return sum == readback().sum;
   };
-  for (int i = 0; i < 1'000'000; ++i)  // some milliseconds
-    if (is_here()) return true;
-  return AwaitFence(timeout_ns) && is_here();
+  for (int i = 0; i < 1'000'000; ++i)  // poll for some milliseconds before waiting
+    if (is_complete()) return true;
+  return AwaitFence(timeout_ns) && is_complete();
 }
 
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
-  const bool floats = !HasDoubles(context_->arithmetic);
+  const bool without_doubles = !HasDoubles(context_->arithmetic);
   last_mode_ = mode;
   // Wait for the last frame: its readback may have arrived before its fence.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
-  if (floats) ToDoubleSingles(asked);
+  if (without_doubles) ToDoubleSingles(asked);
   std::memcpy(frame_in_.mapped, &asked, sizeof(Frame));
   if (gpu_ && mode == FrameMode::kLists) RecordLists(frame);
   if (!RunCommands(mode, timeout_ns)) return false;
-  if (floats) {
+  if (without_doubles) {
     decoded_ = raw_result();
     FromDoubleSingles(decoded_);
   }

@@ -84,25 +84,26 @@ class FrameProgram {
   [[nodiscard]] uint lanes() const {
     return gpu_ ? kGroupSize : std::max<uint>(kProcessorLanes, subgroup_size_);
   }
-  /// Most workgroups of a pass along x. Further work loops over them.
+  /// Largest number of workgroups of a pass along x. Further work loops over them.
   [[nodiscard]] uint max_workgroups() const { return max_workgroups_; }
   [[nodiscard]] uint WithinLimit(std::size_t workgroups) const {
     return static_cast<uint>(std::min<std::size_t>(workgroups, max_workgroups_));
   }
 
  private:
-  static constexpr uint kProcessorLanes = 8;
+  static constexpr uint kProcessorLanes = 8;  // smallest workgroup on a processor
   static constexpr double kCompiled_s = 1.0;  // measured: 0.1 to 0.3 s from the cache, 3.5 to 7 s without
-  // Needs of the next pass: nothing, this pass's results, or also the number of its own workgroups.
-  enum class Then { kNothing, kReads, kGroups };
+  // What the next pass needs of a pass, and a barrier must wait for: nothing, its results, or also the number
+  // of workgroups that it has computed for the next pass.
+  enum class NextPassNeeds { kNothing, kResults, kGroupCount };
   struct Pass {
     const char* name;
     vk::raii::Pipeline pipeline;
-    std::size_t groups;  ///< offset in Frame of its indirect arguments; kOne: one workgroup
-    Then then;
+    std::size_t groups;  ///< offset in Frame of its indirect arguments; kOneWorkgroup: one workgroup
+    NextPassNeeds next_needs;
     uint share{1};  ///< divisor of the number of workgroups in the arguments
   };
-  static constexpr std::size_t kOne = ~std::size_t{0};
+  static constexpr std::size_t kOneWorkgroup = ~std::size_t{0};
 
   // The frame as the passes left it.
   [[nodiscard]] const Frame& raw_result() const {
@@ -111,6 +112,7 @@ class FrameProgram {
   [[nodiscard]] const Readback& readback() const {
     return *static_cast<const Readback*>(buffers_[kBindReadback].mapped);
   }
+  // Submits the mode's commands and waits for their results. False when the time is up.
   [[nodiscard]] bool RunCommands(FrameMode mode, std::uint64_t timeout_ns);
   void MakeBuffers();
   [[nodiscard]] const Buffer& FrameBuffer() const { return copies_in_ ? buffers_[kBindFrame] : frame_in_; }
@@ -127,7 +129,7 @@ class FrameProgram {
   std::unique_ptr<Context> context_;
   ProgramSizes sizes_;
   std::array<Buffer, kBindings> buffers_;
-  Buffer frame_in_;
+  Buffer frame_in_;  // the frame as the host writes it
   bool gpu_{false};
   uint subgroup_size_{0}, max_workgroups_{0}, bone_bits_{kMinBoneBits};
   bool asks_subgroup_size_{false};  ///< explicitly, where the driver would choose another size

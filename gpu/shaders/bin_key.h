@@ -25,6 +25,8 @@ OSTEON_CONST uint kScoreBits = 26, kMinBoneBits = 24, kMaxBoneBits = 28;
 //     -33 … -0.97 mm    2^-15 mm per unit: the tool may lie that deep in bone
 //     -0.97 … 0.97 mm   2^-25 mm per unit
 //     0.97 … 33 mm      2^-15 mm per unit: a normal's enlargement may be that large
+//
+// Each range begins with the units at which the one before ends: 2^20, then 66060288.
 #define OSTEON_SCORE_UNITS(Number)                                          \
   OSTEON_FUNCTION uint ScoreUnits(Number score) {                           \
     Number deep = score + Number(32.96875), far = score - Number(0.96875);  \

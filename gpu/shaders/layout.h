@@ -81,8 +81,8 @@ struct DoublePrecision {
   dvec3 delta, shift;  // delta: to the constrained target; shift: straight to it from first contact
   dvec3 n;             // direction of the cutting contacts' resultant
   double cutting;      // length of the cutting contacts' share of delta
-  // With the turn and straight: the allowed fraction of the slide, and the travel of the tool point that
-  // moves farthest in the whole slide.
+  // For the slide with the turn and the straight slide: the allowed fraction of it, and the travel of the
+  // tool point that moves farthest in the whole slide.
   double slide_limit, straight_limit, way, straight_way;
   double slid_share, advance, edge_work;  // slid_share: of the performed slide; the others: of the frame
   OSTEON_ARRAY(dvec3, hold_n, 4);  // normals of the planes that hold the tool, with their multipliers below
@@ -114,8 +114,8 @@ struct Candidate {
 // One frame: inputs from the host, then results of the passes.
 struct Frame {
   OSTEON_ARRAY(Key64, bin_keys, kBins);  // result; all ones where there is no pair
-  // results: fractions of first contact, and of the slide's first contact with the turn and straight. Bits of
-  // doubles: for one sign their order is that of the doubles
+  // results: fraction of the path at first contact, and fractions of the slide (with the turn, straight) at
+  // its first contact. They are bits of doubles, which sort like the doubles while the sign is the same
   Key64 contact_key, slide_key, straight_key;
   DoublePrecision exact;
 
@@ -135,7 +135,7 @@ struct Frame {
   uint ball_count;
   uint point_count;
   uint material_count;
-  uint immediate;
+  uint immediate;  // 1: the immediate removal law
   uint live_capacity;
   uint packed_pair_capacity;
   uint first_child;  // index of the first child ball; blocks of kGroupSize slots follow each other from here
@@ -150,7 +150,7 @@ struct Frame {
   OSTEON_ARRAY(uint, remembered_bone, kRemembered);
   OSTEON_ARRAY(uint, remembered_tool, kRemembered);
   uint remembered_count, held_count;  // held: number of remembered pairs that held
-  uint turning;
+  uint turning;                       // 1: the tool turns in this frame
   float friction;
   float spindle_rad_per_s;
   float rounding_mm;  // bound on the rounding of a distance in floats, in this frame
@@ -245,7 +245,7 @@ struct ClusterPairs {
 struct ListEntry {
   uint index;
   uint first, count;
-  uint more;  // point: its material; ball: the smallest gap of its packed pairs
+  uint more;  // of a point: its material; ball: the smallest gap of its packed pairs
 };
 
 // A listed ball (its slot in the list) and the tool balls that do not cut and can meet it. Also an entry,
@@ -289,7 +289,7 @@ OSTEON_CONST uint kBindToolTexels = 21, kBindPackedPairTexels = 22, kBindEntryTe
                   kBindPointEntryTexels = 24;
 
 OSTEON_CONST uint kBallsPerBuffer = 8000000;  // a binding holds 128 MiB on every device
-OSTEON_CONST uint kCleared = 256;
+OSTEON_CONST uint kCleared = 256;             // flag in a point's state: the point is cleared
 
 #ifdef __cplusplus
 static_assert(sizeof(Frame) == kFrameBytes && kFrameBytes % 16 == 0 && sizeof(Readback) == kFrameBytes + 8);

@@ -19,7 +19,7 @@ struct ArmDrive {
   Wrench F_T_B{};  ///< overlay, in Cartesian impedance: at the motion's centre (the tool), in B
 };
 
-/// Seven joints that follow commands. One writer; deterministic; Step() does not allocate.
+/// A simulated arm of seven joints that follow commands. One writer; deterministic; Step() does not allocate.
 class SimulatedArm {
  public:
   virtual ~SimulatedArm() = default;

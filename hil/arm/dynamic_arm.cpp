@@ -18,6 +18,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kNullShare = 0.1;       // stiffness in the null space, as a share of the joints' stiffness
 constexpr double kNullDamping_m = 1e-3;  // damping of the null space's projection, near singular postures
 
+// The chain with masses and inertias multiplied by 1 + error.
 kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, double error) {
   for (kinematics::RevoluteJoint& joint : chain.joints) {
     joint.link.mass_kg *= 1.0 + error;
@@ -26,6 +27,7 @@ kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, doubl
   return chain;
 }
 
+// Returns the parameters; throws where one is not accepted.
 const DynamicArmParams& Checked(const DynamicArmParams& params, const kinematics::ChainParams<7>& chain,
                                 double period_s) {
   const base::ParameterCheck require("simulated arm: ");
@@ -80,6 +82,7 @@ DynamicArm::DynamicArm(const DynamicArmParams& params, const kinematics::ChainPa
         2.0 * params.joint_damping_ratio * std::sqrt(params.stiffness_Nm_per_rad[i] * M(i, i));
   const Vector3 p_B = arm_.FlangePose(q_start) * p_FT_m;
   const Eigen::Matrix<double, 6, 6> mobility = arm_.Mobility(q_start, p_B);
+  // apparent mass and inertia at the tool, averaged over the directions, which the damping ratio refers to
   const double mass_kg = 3.0 / mobility.topLeftCorner<3, 3>().trace();
   const double inertia_kg_m2 = 3.0 / mobility.bottomRightCorner<3, 3>().trace();
   cartesian_damping_Ns_per_m_ =
@@ -96,13 +99,14 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
   // Store the newest command, and use the one that came dead_cycles earlier.
   delay_[next_] = drive;
   next_ = (next_ + 1) % delay_size_;
-  const ArmDrive& told = delay_[next_];
+  const ArmDrive& delayed = delay_[next_];
 
   const double h = period_s_ / params_.substeps;
   for (int k = 0; k < params_.substeps; ++k) {
     const Joints tau_base = mount_ ? mount_->Torques(arm_, q_) : Joints::Zero();
+    // Runge-Kutta of fourth order: v2 … v4 and a1 … a4 are velocities and accelerations of its stages
     const auto rate = [&](const Joints& q, const Joints& qd) {
-      return Acceleration(told, F_T_B, tau_base, q, qd);
+      return Acceleration(delayed, F_T_B, tau_base, q, qd);
     };
     const Joints a1 = rate(q_, qd_);
     const Joints v2 = qd_ + 0.5 * h * a1, a2 = rate(q_ + 0.5 * h * qd_, v2);
@@ -113,8 +117,8 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
     if (mount_)
       mount_->Step(arm_, {.q = q_, .qd = qd_, .F_B = F_T_B, .p_B = arm_.FlangePose(q_) * p_FT_m_}, h);
   }
-  qdd_ = Acceleration(told, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
-  tau_ = DriveTorque(told, q_, qd_) - arm_.Friction(qd_);  // the torque sensors sit behind the gears
+  qdd_ = Acceleration(delayed, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
+  tau_ = DriveTorque(delayed, q_, qd_) - arm_.Friction(qd_);  // the torque sensors sit behind the gears
 }
 
 // The controller's torque command to the drives.
@@ -135,6 +139,8 @@ DynamicArm::Joints DynamicArm::Command(const ArmDrive& drive, const Joints& q,
   return Joints::Zero();
 }
 
+// Torques of springs and dampers at the tool and of the overlay, and of the joints' springs in the null
+// space.
 DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Joints& q,
                                                const Joints& qd) const OSTEON_RT {
   const Chain::Posture posture = model_.ComputePosture(q);
@@ -149,14 +155,16 @@ DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Join
                     LogRotation(posture.X_BF.linear().transpose() * X_wanted.linear()) -
                 cartesian_damping_Nms_per_rad_ * V.tail<3>() + drive.F_T_B.t;
 
-  // remove the components that would move the flange, to first order in the damping of the projection
-  const Joints own = kNullShare * params_.stiffness_Nm_per_rad.cwiseProduct(drive.q_cmd - q) -
-                     std::sqrt(kNullShare) * joint_damping_.cwiseProduct(qd);
+  // remove from the joints' springs and dampers the components that would move the flange, to first order in
+  // the damping of the projection
+  const Joints tau_null = kNullShare * params_.stiffness_Nm_per_rad.cwiseProduct(drive.q_cmd - q) -
+                          std::sqrt(kNullShare) * joint_damping_.cwiseProduct(qd);
   Eigen::Matrix<double, 6, 6> JJt = J * J.transpose();
   JJt.diagonal().array() += kNullDamping_m * kNullDamping_m;
-  return J.transpose() * F + own - J.transpose() * JJt.ldlt().solve(J * own);
+  return J.transpose() * F + tau_null - J.transpose() * JJt.ldlt().solve(J * tau_null);
 }
 
+// The command with friction compensation, within the drives' limits.
 DynamicArm::Joints DynamicArm::DriveTorque(const ArmDrive& drive, const Joints& q,
                                            const Joints& qd) const OSTEON_RT {
   return (Command(drive, q, qd) + params_.friction_compensation * arm_.Friction(qd))
@@ -164,6 +172,7 @@ DynamicArm::Joints DynamicArm::DriveTorque(const ArmDrive& drive, const Joints& 
       .cwiseMax(-torque_limit_Nm_);
 }
 
+// tau_base: torques that the accelerating base takes from the drives.
 DynamicArm::Joints DynamicArm::Acceleration(const ArmDrive& drive, const Wrench& F_T_B,
                                             const Joints& tau_base, const Joints& q,
                                             const Joints& qd) const OSTEON_RT {

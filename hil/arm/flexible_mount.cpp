@@ -9,6 +9,7 @@
 namespace osteon::hil {
 namespace {
 
+// Matrix of the cross product: Skew(v) u = v × u.
 Matrix3 Skew(const Vector3& v) {
   Matrix3 S;
   S << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
@@ -41,6 +42,7 @@ FlexibleMount::RigidBodySum FlexibleMount::SumLinks(const kinematics::SerialChai
                                                     const Joints& qd) const OSTEON_RT {
   RigidBodySum sum;
   const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
+  // angular velocity of the link and velocity of its origin, in B
   Vector3 w = Vector3::Zero(), v = Vector3::Zero(), p_before = Vector3::Zero();
   for (int i = 0; i < 7; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -50,6 +52,7 @@ FlexibleMount::RigidBodySum FlexibleMount::SumLinks(const kinematics::SerialChai
     p_before = p;
     const kinematics::LinkInertia& link = links_[at];
     const Pose X_BL = chain.LinkPose(posture, i);
+    // centre of mass: r from the link's origin, c from B's
     const Vector3 r = X_BL.linear() * link.p_LLcm_m, c = p + r;
     const Matrix3 I = X_BL.linear() * link.I_LLcm_kg_m2 * X_BL.linear().transpose();
     const Vector3 momentum = link.mass_kg * (v + w.cross(r)), weight = link.mass_kg * gravity_B_;
@@ -88,9 +91,9 @@ FlexibleMount::Joints FlexibleMount::Torques(const kinematics::SerialChain<7>& c
                                              const Joints& q) const OSTEON_RT {
   const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
   const Vector3 a = acceleration_.head<3>(), alpha = acceleration_.tail<3>();
-  // wrench that the links from joint i on need, about joint i
   Joints tau;
-  Vector3 f = Vector3::Zero(), t = Vector3::Zero();  // t about B's origin
+  // wrench that accelerates the links from joint i on together with the base; t about B's origin
+  Vector3 f = Vector3::Zero(), t = Vector3::Zero();
   for (int i = 6; i >= 0; --i) {
     const auto at = static_cast<std::size_t>(i);
     const kinematics::LinkInertia& link = links_[at];

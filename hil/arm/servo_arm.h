@@ -51,6 +51,7 @@ class ServoArm {
     double duration_s{0.0};
     Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // matrix for (q - q_cmd, q')
   };
+  // Advances all joints by this part of a period toward the target, within the limits.
   void Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT;
 
   double max_acceleration_rad_per_s2_;

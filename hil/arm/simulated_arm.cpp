@@ -7,7 +7,7 @@ namespace {
 
 using kinematics::JointVector;
 
-// The arm is stiff, so its external torque follows from the wrench alone.
+// An arm that forces do not deflect: its external torque is J^T F of the tool's present wrench.
 class StiffArm : public SimulatedArm {
  public:
   StiffArm(const kinematics::LbrParams& lbr, const Vector3& p_FT_m) : arm_(lbr), p_FT_m_(p_FT_m) {}
@@ -28,6 +28,7 @@ class StiffArm : public SimulatedArm {
   Wrench F_T_B_;
 };
 
+// ArmLevel::kKinematic.
 class KinematicArm final : public StiffArm {
  public:
   KinematicArm(const SimulatedArmParams& params, double period_s)
@@ -46,6 +47,7 @@ class KinematicArm final : public StiffArm {
   JointVector q_, qd_{JointVector::Zero()};
 };
 
+// ArmLevel::kServo: ServoArm behind the interface SimulatedArm.
 class LaggingArm final : public StiffArm {
  public:
   LaggingArm(const SimulatedArmParams& params, double period_s)

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kFullScale_counts = 30000.0;  // gauge value for a load at the range of its own axis
 
+// The value's four bytes, the highest first; of a float, the bytes of its bits.
 std::array<int, 4> BigEndian(std::uint32_t value) {
   return {static_cast<int>(value / 16777216), static_cast<int>(value / 65536 % 256),
           static_cast<int>(value / 256 % 256), static_cast<int>(value % 256)};
@@ -65,43 +66,44 @@ void AtiDevice::SetSilent(bool silent) {
 void AtiDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   const io::CanFrame& frame = arrival.frame;
   if (silent_ || frame.id / 16 != params_.base) return;
-  const auto answer = [this](int code) { return static_cast<std::uint16_t>(16 * params_.base + code); };
+  const auto answer_id = [this](int code) { return static_cast<std::uint16_t>(16 * params_.base + code); };
   switch (frame.id % 16) {
-    case 0:
-      if (frame.size == 0) Reading(arrival.stamp);
+    case 0:  // read the gauges
+      if (frame.size == 0) QueueReading(arrival.stamp);
       return;
-    case 2: {
+    case 2: {  // read a row of the matrix, in three frames of two floats
       if (frame.size != 1 || frame.data[0] > 5) return;
       const int row = frame.data[0];
       for (int part = 0; part < 3; ++part) {
         const auto a = BigEndian(static_cast<float>(matrix_(row, 2 * part)));
         const auto b = BigEndian(static_cast<float>(matrix_(row, 2 * part + 1)));
-        queue_.Push(answer(2 + part), {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
+        queue_.Push(answer_id(2 + part), {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
       }
       return;
     }
-    case 7: {
+    case 7: {  // read the counts per N and per N·m
       const auto a = BigEndian(params_.counts_per_N), b = BigEndian(params_.counts_per_Nm);
-      queue_.Push(answer(7), {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
+      queue_.Push(answer_id(7), {a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]});
       return;
     }
-    case 8:
-      queue_.Push(answer(8), {params_.force_unit, params_.torque_unit});
+    case 8:  // read the unit codes
+      queue_.Push(answer_id(8), {params_.force_unit, params_.torque_unit});
       return;
     default:
       return;
   }
 }
 
-void AtiDevice::Reading(rt::Nanoseconds now) noexcept {
+void AtiDevice::QueueReading(rt::Nanoseconds now) noexcept {
   const SensorModel::Sample sample = model_.Read(now, load_);
   Eigen::Matrix<double, 6, 1> counts;
   for (int i = 0; i < 6; ++i)
     counts[i] =
         sample.value[static_cast<std::size_t>(i)] * (i < 3 ? params_.counts_per_N : params_.counts_per_Nm);
   const Eigen::Matrix<double, 6, 1> gauges = inverse_ * counts;
+  // two frames: status and gauges 0, 2, 4; then gauges 1, 3, 5
   const auto g = [&gauges](int i) { return TwoBytes(gauges[i]); };
-  const int status = status_ == 0 ? 0 : status_ | 0x8000;
+  const int status = status_ == 0 ? 0 : status_ | 0x8000;  // bit 15: any error
   const auto first = static_cast<std::uint16_t>(16 * params_.base);
   queue_.Push(first, {status / 256, status % 256, g(0)[0], g(0)[1], g(2)[0], g(2)[1], g(4)[0], g(4)[1]});
   queue_.Push(static_cast<std::uint16_t>(first + 1), {g(1)[0], g(1)[1], g(3)[0], g(3)[1], g(5)[0], g(5)[1]});

@@ -40,7 +40,8 @@ class AtiDevice final : public io::CanClient {
   [[nodiscard]] const Matrix6& matrix() const { return matrix_; }
 
  private:
-  void Reading(rt::Nanoseconds now) noexcept;
+  // Queues the two frames of a reading of the present load.
+  void QueueReading(rt::Nanoseconds now) noexcept;
 
   AtiDeviceParams params_;
   SensorModel model_;

@@ -10,51 +10,52 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;
-constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;
+constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;  // NMT states, as in a heartbeat
+constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;            // error codes of CiA 402 and CiA 301
 constexpr int kGenericError = 0x01;  // bit 0 of the error register, which every device has
-constexpr double kStep_s = 1e-4;
+constexpr double kStep_s = 1e-4;     // integration step of the motor
 // Longest time by which one call advances the motor: after a longer pause the rest is skipped.
 constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;
-constexpr double kAtRest_rad_per_s = 0.1;
-constexpr int kProfileVelocity = 3;  // modes of 6060
+constexpr double kAtRest_rad_per_s = 0.1;  // below this speed the motor counts as at rest
+constexpr int kProfileVelocity = 3;        // modes of 6060
 constexpr int kCyclicVelocity = 9;
 // Option codes of 605A and 605E. 5 and 6 brake as 1 and 2, and stay in quick stop active.
 constexpr int kCoast = 0, kSlowDownRamp = 1, kQuickStopRamp = 2;
 constexpr int kSlowDownAndStay = 5, kQuickStopAndStay = 6;
 
+// The drive's objects with their values at power-on.
 std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
   const auto node = static_cast<std::uint32_t>(params.node);
   std::vector<DictionaryEntry> list{
       {.index = 0x1000, .value = 0x00020192},  // servo drive, profile 402
       {.index = 0x1001, .bytes = 1},           // error register
       {.index = 0x1016, .sub = 0, .bytes = 1, .value = 1},
-      {.index = 0x1016, .sub = 1, .writable = true},
-      {.index = 0x1017, .bytes = 2, .writable = true},
-      {.index = 0x1018, .sub = 0, .bytes = 1, .value = 4},  // identity; vendor 0: none
-      {.index = 0x1018, .sub = 1},                          // vendor
-      {.index = 0x1018, .sub = 2, .value = 0x4F535444},     // product: "OSTD"
-      {.index = 0x1018, .sub = 3, .value = 0x00010000},     // revision 1.0
-      {.index = 0x1018, .sub = 4, .value = node},           // serial number
-      {.index = 0x6007, .bytes = 2, .writable = true, .value = 1},
-      {.index = 0x603F, .bytes = 2, .mappable = true},
-      {.index = 0x6040, .bytes = 2, .writable = true, .mappable = true},
-      {.index = 0x6041, .bytes = 2, .mappable = true},
-      {.index = 0x605A, .bytes = 2, .writable = true, .value = 2},
-      {.index = 0x605E, .bytes = 2, .writable = true, .value = 2},
-      {.index = 0x6060, .bytes = 1, .writable = true, .mappable = true, .value = 3},
-      {.index = 0x6061, .bytes = 1, .mappable = true, .value = 3},
-      {.index = 0x606C, .mappable = true},
-      {.index = 0x606D, .bytes = 2, .writable = true, .value = 10},  // velocity window [rpm]
+      {.index = 0x1016, .sub = 1, .writable = true},                // watched heartbeat: node and time [ms]
+      {.index = 0x1017, .bytes = 2, .writable = true},              // period of its own heartbeat [ms]
+      {.index = 0x1018, .sub = 0, .bytes = 1, .value = 4},          // identity; vendor 0: none
+      {.index = 0x1018, .sub = 1},                                  // vendor
+      {.index = 0x1018, .sub = 2, .value = 0x4F535444},             // product: "OSTD"
+      {.index = 0x1018, .sub = 3, .value = 0x00010000},             // revision 1.0
+      {.index = 0x1018, .sub = 4, .value = node},                   // serial number
+      {.index = 0x6007, .bytes = 2, .writable = true, .value = 1},  // 1: a lost heartbeat is a fault
+      {.index = 0x603F, .bytes = 2, .mappable = true},              // error code
+      {.index = 0x6040, .bytes = 2, .writable = true, .mappable = true},  // controlword
+      {.index = 0x6041, .bytes = 2, .mappable = true},                    // statusword
+      {.index = 0x605A, .bytes = 2, .writable = true, .value = 2},        // option code of the quick stop
+      {.index = 0x605E, .bytes = 2, .writable = true, .value = 2},        // option code of the fault reaction
+      {.index = 0x6060, .bytes = 1, .writable = true, .mappable = true, .value = 3},  // mode
+      {.index = 0x6061, .bytes = 1, .mappable = true, .value = 3},                    // mode in force
+      {.index = 0x606C, .mappable = true},                                            // velocity [rpm]
+      {.index = 0x606D, .bytes = 2, .writable = true, .value = 10},                   // velocity window [rpm]
       {.index = 0x606E, .bytes = 2, .writable = true, .value = 10},  // velocity window time [ms]
-      {.index = 0x6076,
+      {.index = 0x6076,                                              // rated torque [mN·m]
        .value = static_cast<std::uint32_t>(std::lround(1000 * params.motor.rated_torque_Nm))},
-      {.index = 0x6077, .bytes = 2, .mappable = true},
-      {.index = 0x6083, .writable = true, .value = 10000},
-      {.index = 0x6084, .writable = true, .value = 10000},
-      {.index = 0x6085, .writable = true, .value = 50000},
-      {.index = 0x60FF, .writable = true, .mappable = true},
-      {.index = 0x3201, .sub = 1, .bytes = 2, .mappable = true, .value = 250},
+      {.index = 0x6077, .bytes = 2, .mappable = true},        // torque, in 1/1000 of the rated torque
+      {.index = 0x6083, .writable = true, .value = 10000},    // acceleration [rpm/s]
+      {.index = 0x6084, .writable = true, .value = 10000},    // deceleration [rpm/s]
+      {.index = 0x6085, .writable = true, .value = 50000},    // deceleration of the quick stop [rpm/s]
+      {.index = 0x60FF, .writable = true, .mappable = true},  // target velocity [rpm]
+      {.index = 0x3201, .sub = 1, .bytes = 2, .mappable = true, .value = 250},  // temperature
   };
   // PDOs as delivered by the maker: enabled, mapped to statusword or controlword alone, without SYNC.
   const struct {
@@ -164,6 +165,7 @@ void DriveDevice::StartQuickStop() noexcept {
   state_ = objects_.GetSigned(0x605A) == kCoast ? State::kDisabled : State::kQuickStop;
 }
 
+// Steps the state machine of CiA 402 by a controlword.
 void DriveDevice::HandleControlword(int word) noexcept {
   const bool on = word & 1, voltage = word & 2, no_quick_stop = word & 4, enable = word & 8;
   const bool reset_edge = (word & 0x80) != 0 && (last_control_ & 0x80) == 0;
@@ -197,6 +199,7 @@ void DriveDevice::HandleControlword(int word) noexcept {
   }
 }
 
+// Enters the fault at once, or after braking where 605E asks for it.
 void DriveDevice::Trip(int error_code) noexcept {
   if (state_ == State::kFault || state_ == State::kFaultReaction || state_ == State::kNotReady) return;
   const bool powered = state_ == State::kEnabled || state_ == State::kQuickStop;
@@ -218,19 +221,20 @@ void DriveDevice::HandleNmtCommand(int command) noexcept {
   if (command == 0x81 || command == 0x82) Boot();
 }
 
-// Refuses values that are not allowed in the present state.
+// Returns the SDO abort code for a write that is not allowed in the present state, else 0. A mapped object is
+// coded as index (16 bits), sub-index (8 bits) and length in bits (8 bits).
 std::uint32_t DriveDevice::ValidateWrite(void* self, const DictionaryEntry& entry, std::uint32_t value) {
   constexpr std::uint32_t kNotNow = 0x08000022, kRange = 0x06090030, kNotMappable = 0x06040041,
                           kTooLong = 0x06040042;
   auto& drive = *static_cast<DriveDevice*>(self);
-  const bool pdo = (entry.index >= 0x1400 && entry.index < 0x1C00);
-  if (!pdo) return Accepts(entry.index, value) ? 0 : kRange;
+  const bool is_pdo_object = (entry.index >= 0x1400 && entry.index < 0x1C00);
+  if (!is_pdo_object) return Accepts(entry.index, value) ? 0 : kRange;
   if (drive.nmt_ == kOperational) return kNotNow;
-  const bool mapping = entry.index % 0x400 >= 0x200;
-  const int communication = mapping ? entry.index - 0x200 : entry.index;
-  const bool off = drive.objects_.Get(communication, 1) >= 0x80000000u;
-  if (!mapping) return entry.sub == 2 && !off ? kNotNow : 0;
-  if (!off) return kNotNow;
+  const bool is_mapping = entry.index % 0x400 >= 0x200;
+  const int communication = is_mapping ? entry.index - 0x200 : entry.index;
+  const bool pdo_is_off = drive.objects_.Get(communication, 1) >= 0x80000000u;
+  if (!is_mapping) return entry.sub == 2 && !pdo_is_off ? kNotNow : 0;
+  if (!pdo_is_off) return kNotNow;
   if (entry.sub > 0) {
     if (drive.objects_.Get(entry.index, 0) != 0) return kNotNow;
     const DictionaryEntry* object =
@@ -270,57 +274,60 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (frame.id == objects_.Get(0x1400, 1)) {
     rpdo_ = frame;
     rpdo_fresh_ = true;
-    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();
+    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();  // event-driven: without waiting for SYNC
   } else if (frame.id == 0x080) {
     if (rpdo_fresh_) HandleRpdo();
     for (const int number : {0, 1}) SendTpdo(number);
   }
 }
 
-// A PDO shorter than its mapping is refused (CiA 301: EMCY 8210).
+// Writes the received PDO to the objects that it maps. A PDO shorter than its mapping is refused (CiA 301:
+// EMCY 8210).
 void DriveDevice::HandleRpdo() noexcept {
   rpdo_fresh_ = false;
   const int count = static_cast<int>(objects_.Get(0x1600, 0));
-  std::size_t at = 0;
-  bool control = false;
+  std::size_t offset = 0;
+  bool has_controlword = false;
   for (int sub = 1; sub <= count; ++sub) {
     const std::uint32_t entry = objects_.Get(0x1600, sub);
     const std::size_t bytes = entry % 256 / 8;
-    if (at + bytes > rpdo_.size) {
+    if (offset + bytes > rpdo_.size) {
       queue_.Push(static_cast<std::uint16_t>(0x080 + params_.node), {0x10, 0x82, 0x11, 0, 0, 0, 0, 0});
       return;
     }
     long value = 0;
-    for (std::size_t i = bytes; i > 0; --i) value = 256 * value + rpdo_.data[at + i - 1];
-    at += bytes;
+    for (std::size_t i = bytes; i > 0; --i) value = 256 * value + rpdo_.data[offset + i - 1];
+    offset += bytes;
     const int index = static_cast<int>(entry / 65536);
     objects_.Set(index, static_cast<int>(entry / 256 % 256), value);
-    control = control || index == 0x6040;
+    has_controlword = has_controlword || index == 0x6040;
   }
-  if (control) HandleControlword(static_cast<int>(objects_.Get(0x6040)));
+  if (has_controlword) HandleControlword(static_cast<int>(objects_.Get(0x6040)));
 }
 
+// Queues a PDO with the present values of its objects, if it is on and cyclic.
 void DriveDevice::SendTpdo(int number) noexcept {
   const std::uint32_t id = objects_.Get(0x1800 + number, 1);
   if (id >= 0x80000000u || objects_.Get(0x1800 + number, 2) != 1) return;
   UpdateStatusObjects();
   const int count = static_cast<int>(objects_.Get(0x1A00 + number, 0));
   std::array<int, 8> bytes{};
-  std::size_t at = 0;
+  std::size_t size = 0;
   for (int sub = 1; sub <= count; ++sub) {
     const std::uint32_t entry = objects_.Get(0x1A00 + number, sub);
     std::uint32_t value = objects_.Get(static_cast<int>(entry / 65536), static_cast<int>(entry / 256 % 256));
-    for (std::uint32_t i = 0; i < entry % 256 / 8 && at < 8; ++i, value /= 256)
-      bytes[at++] = static_cast<int>(value % 256);
+    for (std::uint32_t i = 0; i < entry % 256 / 8 && size < 8; ++i, value /= 256)
+      bytes[size++] = static_cast<int>(value % 256);
   }
   // FrameQueue::Push takes an initializer list, so each possible size needs a call of its own.
   const auto cob = static_cast<std::uint16_t>(id);
   const auto& b = bytes;
-  if (at == 2) queue_.Push(cob, {b[0], b[1]});
-  if (at == 6) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5]});
-  if (at == 7) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5], b[6]});
+  if (size == 2) queue_.Push(cob, {b[0], b[1]});
+  if (size == 6) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5]});
+  if (size == 7) queue_.Push(cob, {b[0], b[1], b[2], b[3], b[4], b[5], b[6]});
 }
 
+// Copies the drive's state to the objects that report it.
 void DriveDevice::UpdateStatusObjects() noexcept {
   objects_.Set(0x6041, 0, statusword());
   objects_.Set(0x6061, 0, objects_.GetSigned(0x6060));
@@ -348,8 +355,8 @@ bool DriveDevice::Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT {
     heartbeat_due_ = now + period;
     queue_.Push(heartbeat_id, {nmt_});
   }
-  const rt::Nanoseconds patience = objects_.Get(0x1016, 1) % 65536 * rt::kMillisecond;
-  if (patience > 0 && master_heard_ >= 0 && now - master_heard_ > patience) {
+  const rt::Nanoseconds master_timeout = objects_.Get(0x1016, 1) % 65536 * rt::kMillisecond;
+  if (master_timeout > 0 && master_heard_ >= 0 && now - master_heard_ > master_timeout) {
     master_heard_ = -1;
     if (objects_.Get(0x6007) == 1) Trip(kHeartbeatError);
   }

@@ -72,7 +72,8 @@ class DriveDevice final : public io::CanClient {
     kFault
   };
 
-  void Boot();
+  void Boot();  // sets objects and state to those at power-on
+  // Advances the motor to this time.
   void AdvanceTo(rt::Nanoseconds now) noexcept;
   void StepMotor(double dt_s) noexcept;
   void HandleControlword(int word) noexcept;
@@ -96,13 +97,16 @@ class DriveDevice final : public io::CanClient {
   State state_{State::kNotReady};
   int nmt_{0};  // NMT state: 0 booting, 127 pre-operational, 5 operational, 4 stopped
   bool power_{true};
-  int last_control_{0}, error_{0}, broken_{0}, boot_error_{0}, resets_{0};
+  int last_control_{0};            // the last controlword
+  int error_{0};                   // error code of the present fault, 0: none
+  int broken_{0}, boot_error_{0};  // injected errors: until ClearFault, and at the next boot
+  int resets_{0};
   double cutting_Nm_{0.0};
-  double ramp_rad_per_s_{0.0};  // set point of the velocity loop
-  double stalled_s_{0.0};
+  double ramp_rad_per_s_{0.0};    // set point of the velocity loop
+  double stalled_s_{0.0};         // time at rest at the torque limit
   rt::Nanoseconds in_window_{0};  // time for which the velocity has been within the window of its target
   rt::Nanoseconds time_{-1}, boot_due_{0}, heartbeat_due_{0}, master_heard_{-1};
-  io::CanFrame rpdo_;
+  io::CanFrame rpdo_;  // received last; fresh until it was applied
   bool rpdo_fresh_{false};
 };
 

@@ -25,6 +25,7 @@ class DriveMotor {
 
   [[nodiscard]] double speed_rad_per_s() const { return speed_; }
   [[nodiscard]] double torque_Nm() const { return torque_; }
+  /// Whether the torque was at its limit in the last step.
   [[nodiscard]] bool limited() const { return limited_; }
   [[nodiscard]] const DriveMotorParams& params() const { return params_; }
 

@@ -19,6 +19,7 @@ class FrameQueue {
     for (const int byte : bytes)
       if (frame.size < 8) frame.data[frame.size++] = static_cast<std::uint8_t>(byte);
   }
+  /// Takes the oldest frame; false if there is none.
   bool Pop(io::CanFrame& frame) noexcept {
     if (count_ == 0) return false;
     frame = frames_[first_];

@@ -68,7 +68,7 @@ bool ObjectDictionary::Serve(const io::CanFrame& request, std::uint16_t answer_i
     return abort(known ? kNoSub : kNoObject);
   }
   if (read) {
-    const int unused = 4 - entry->bytes;
+    const int unused = 4 - entry->bytes;  // bytes of the answer's value: bits 2 and 3 of its command
     Answer(out, answer_id, 0x43 + 4 * unused, index, sub, entry->value);
     return false;
   }

@@ -10,8 +10,8 @@ namespace osteon::hil {
 /// An entry of the simulated drive's object dictionary.
 struct DictionaryEntry {
   int index{0}, sub{0};
-  int bytes{4};
-  bool writable{false}, mappable{false};
+  int bytes{4};                           ///< length of the value
+  bool writable{false}, mappable{false};  ///< by SDO; into a PDO
   std::uint32_t value{0};
 };
 
@@ -24,7 +24,9 @@ class ObjectDictionary {
   [[nodiscard]] DictionaryEntry* Find(int index, int sub) noexcept;
   /// Returns the entry's value; 0 if there is no such entry.
   [[nodiscard]] std::uint32_t Get(int index, int sub = 0) const noexcept;
+  /// The value as two's complement of the entry's length.
   [[nodiscard]] int GetSigned(int index, int sub = 0) const noexcept;
+  /// Keeps the lower bytes of the value, as many as the entry has.
   void Set(int index, int sub, long value) noexcept;
 
   /// Called before a write takes effect: returns an abort code, or 0 to allow it.

@@ -7,7 +7,7 @@
 namespace osteon::hil {
 namespace {
 
-// Indexed by the wire's code.
+// Rates and low-pass corners, indexed by their codes in commands.
 constexpr std::array<int, 9> kRateHz{200, 10, 20, 50, 100, 200, 300, 500, 1000};
 constexpr std::array<int, 15> kCutoffHz{0, 1, 2, 3, 5, 10, 20, 30, 40, 50, 100, 150, 200, 300, 500};
 constexpr int kErrorUnsupported = 1, kErrorRange = 2;
@@ -27,7 +27,7 @@ void RobotousDevice::SetFaults(const RobotousDeviceFaults& faults) {
   faults_ = faults;
 }
 
-// A reply has 16 bytes; these are the first.
+// Queues a reply of 16 bytes: the echoed command, a and b; the others are 0.
 void RobotousDevice::Reply(int echo, int a, int b) noexcept {
   queue_.Push(static_cast<std::uint16_t>(params_.first_id), {echo, a, b, 0, 0, 0, 0, 0});
   queue_.Push(static_cast<std::uint16_t>(params_.second_id), {0, 0, 0, 0, 0, 0, 0, 0});
@@ -40,34 +40,34 @@ void RobotousDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (sending_ && code != 0x0C && code != 0x11) return;
   if (code == faults_.refuse_code && code != 0) return Reply(code, 0, kErrorUnsupported);
   switch (code) {
-    case 0x08:
+    case 0x08:  // set the filter
       if (a > 1 || b >= static_cast<int>(kCutoffHz.size())) return Reply(code, 0, kErrorRange);
       filter_on_ = a;
       filter_code_ = b;
       return Reply(code, 1);
-    case 0x09:
+    case 0x09:  // read the filter
       return Reply(code, filter_on_, filter_code_);
-    case 0x0A:
-      return Reading(code, arrival.stamp);
-    case 0x0B:
+    case 0x0A:  // read once
+      return QueueReading(code, arrival.stamp);
+    case 0x0B:  // start
       sending_ = true;
       low_pass_fresh_ = true;
       due_ = arrival.stamp;
       return;
-    case 0x0C:
+    case 0x0C:  // stop
       sending_ = false;
       return;
-    case 0x0F:
+    case 0x0F:  // set the rate
       if (a >= static_cast<int>(kRateHz.size())) return Reply(code, 0, kErrorRange);
       if (!faults_.keeps_its_rate) rate_code_ = a;
       return Reply(code, 1);
-    case 0x10:
+    case 0x10:  // read the rate
       return Reply(code, rate_code_);
-    case 0x11:
+    case 0x11:  // bias: 1 takes the next reading, 0 clears it
       if (a == 1) take_bias_ = true;
       if (a == 0) zero_ = {};
       return;
-    case 0x12:
+    case 0x12:  // overload counts
       queue_.Push(static_cast<std::uint16_t>(params_.first_id),
                   {code, overloads_[0], overloads_[1], overloads_[2], overloads_[3], overloads_[4],
                    overloads_[5], 0});
@@ -85,15 +85,16 @@ bool RobotousDevice::Next(rt::Nanoseconds now, io::CanFrame& frame) OSTEON_RT {
   const int hz = kRateHz[static_cast<std::size_t>(faults_.lies_about_rate ? 0 : rate_code_)];
   if (now - due_ > kCatchUp) due_ = now;
   due_ += rt::kSecond / hz;
-  Reading(0x0B, now);
+  QueueReading(0x0B, now);
   return queue_.Pop(frame);
 }
 
-void RobotousDevice::Reading(int echo, rt::Nanoseconds now) noexcept {
+void RobotousDevice::QueueReading(int echo, rt::Nanoseconds now) noexcept {
   const SensorModel::Sample sample = model_.Read(now, load_);
   Values value = sample.value;
   if (filter_on_ == 1 && filter_code_ > 0 && !low_pass_fresh_) {
     const int hz = kRateHz[static_cast<std::size_t>(rate_code_)];
+    // low pass of first order
     const double share =
         1.0 - std::exp(-2.0 * std::numbers::pi * kCutoffHz[static_cast<std::size_t>(filter_code_)] / hz);
     for (std::size_t i = 0; i < 6; ++i) value[i] = low_passed_[i] + share * (value[i] - low_passed_[i]);

@@ -48,7 +48,8 @@ class RobotousDevice final : public io::CanClient {
 
  private:
   using Values = std::array<double, 6>;
-  void Reading(int echo, rt::Nanoseconds now) noexcept;
+  // Queues the two frames of a reading of the present load, as an answer to this command.
+  void QueueReading(int echo, rt::Nanoseconds now) noexcept;
   void Reply(int echo, int a, int b = 0) noexcept;
 
   RobotousDeviceParams params_;
@@ -58,10 +59,11 @@ class RobotousDevice final : public io::CanClient {
   FrameQueue queue_;
   int rate_code_{0}, filter_on_{0}, filter_code_{0};
   bool sending_{false}, take_bias_{false};
-  Values zero_{}, low_passed_{};
+  Values zero_{};        // the bias
+  Values low_passed_{};  // the last reading after the filter
   bool low_pass_fresh_{true};
   std::array<int, 6> overloads_{};
-  rt::Nanoseconds due_{0};
+  rt::Nanoseconds due_{0};  // of the next reading
   std::uint64_t readings_{0};
 };
 

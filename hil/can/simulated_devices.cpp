@@ -3,6 +3,7 @@
 namespace osteon::hil {
 namespace {
 
+// Makes the sensor that fits its parameters.
 struct MakeSensor {
   using Any = std::variant<RobotousDevice, AtiDevice>;
   Any operator()(const RobotousDeviceParams& params) const { return RobotousDevice(params); }

@@ -11,7 +11,7 @@ namespace {
 using io::FriFamily;
 
 constexpr double kMmPerM = 1e3;
-constexpr std::size_t kHead = 4, kTail = 4;
+constexpr std::size_t kHead = 4, kTail = 4;      // bytes around a framed message: its length; its CRC-32
 constexpr const char* kMotionCentre = "flange";  // name of the frame of the arm's poses
 
 void FillJoints(const control::JointArray& from, fri::JointValues& to) {
@@ -29,6 +29,7 @@ std::uint32_t Crc32(std::span<const std::uint8_t> bytes) {
   return ~crc;
 }
 
+// PutWord and ReadWord: the lowest byte first.
 void PutWord(std::uint32_t value, std::uint8_t* to) {
   for (int i = 0; i < 4; ++i) to[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
@@ -43,11 +44,12 @@ std::uint32_t ReadWord(const std::uint8_t* from) {
 std::span<const std::uint8_t> RemoveFrame(std::span<const std::uint8_t> datagram) {
   if (datagram.size() <= kHead + kTail) return {};
   const auto body = datagram.subspan(kHead, datagram.size() - kHead - kTail);
-  const bool whole =
+  const bool intact =
       ReadWord(datagram.data()) == body.size() && ReadWord(body.data() + body.size()) == Crc32(body);
-  return whole ? body : std::span<const std::uint8_t>{};
+  return intact ? body : std::span<const std::uint8_t>{};
 }
 
+// Position [mm], then the quaternion, w first.
 void PutPose(const Pose& X, fri::Transformation& to) {
   to.Clear();
   to.set_name(kMotionCentre);
@@ -57,7 +59,7 @@ void PutPose(const Pose& X, fri::Transformation& to) {
     to.add_element(element);
 }
 
-// Redundancy, given by the angle of the redundant joint.
+// Redundancy, given by the angle of the redundant joint A3.
 void PutRedundancy(const control::JointArray& q, fri::Redundancy& to) {
   to.set_strategy(0);
   to.set_value(q[2]);
@@ -133,16 +135,16 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
   ipo.set_tracking_performance(c.tracking_performance);
 
   const bool framed = family_ == FriFamily::k2_7;
-  const std::size_t head = framed ? kHead : 0, around = framed ? kHead + kTail : 0;
+  const std::size_t head = framed ? kHead : 0, frame_bytes = framed ? kHead + kTail : 0;
   const std::size_t size = m.ByteSizeLong();
-  if (size + around > buffer_.size() ||
-      !m.SerializeToArray(buffer_.data() + head, static_cast<int>(buffer_.size() - around)))
+  if (size + frame_bytes > buffer_.size() ||
+      !m.SerializeToArray(buffer_.data() + head, static_cast<int>(buffer_.size() - frame_bytes)))
     throw std::logic_error("FRI monitoring message does not fit a datagram");
   if (framed) {
     PutWord(static_cast<std::uint32_t>(size), buffer_.data());
     PutWord(Crc32({buffer_.data() + head, size}), buffer_.data() + head + size);
   }
-  return {buffer_.data(), size + around};
+  return {buffer_.data(), size + frame_bytes};
 }
 
 bool FriCodec::Parse(std::span<const std::uint8_t> body) {
@@ -162,17 +164,18 @@ std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagra
   command.reflected_sequence = m.header().reflected_sequence_counter();
   if (!m.has_command_data()) return command;
   const fri::CommandData& data = m.command_data();
-  const auto take = [](const auto& values, auto& to) {
+  // copies as many values as there is room for; returns how many were sent
+  const auto copy_values = [](const auto& values, auto& to) {
     std::copy_n(values.begin(), std::min<std::size_t>(static_cast<std::size_t>(values.size()), to.size()),
                 to.begin());
     return values.size();
   };
   command.has_joint_position = data.has_joint_position();
-  command.joint_count = take(data.joint_position().value(), command.q);
+  command.joint_count = copy_values(data.joint_position().value(), command.q);
   command.has_wrench = data.has_cartesian_wrench_feed_forward();
-  command.wrench_count = take(data.cartesian_wrench_feed_forward().element(), command.wire_wrench);
+  command.wrench_count = copy_values(data.cartesian_wrench_feed_forward().element(), command.wire_wrench);
   command.has_torque = data.has_joint_torque();
-  command.torque_count = take(data.joint_torque().value(), command.tau);
+  command.torque_count = copy_values(data.joint_torque().value(), command.tau);
   return command;
 }
 

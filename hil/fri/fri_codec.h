@@ -77,6 +77,7 @@ class FriCodec {
 
  private:
   struct Messages;
+  // Parses a message without its frame into messages_. False unless it is a complete command message.
   [[nodiscard]] bool Parse(std::span<const std::uint8_t> body);
 
   io::FriFamily family_;

@@ -15,10 +15,11 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-constexpr int kGood = 2;
-constexpr int kIdleMessages = 10;  // the number that an arm sends is not published
+constexpr int kGood = 2;           // LinkQuality::level() of GOOD
+constexpr int kIdleMessages = 10;  // sent in IDLE; the number that an arm sends is not published
 constexpr int kWrenchSize = 6;
 
+// Throws std::invalid_argument unless accepted.
 void Require(bool accepted, std::string_view name, double found, std::string_view range) {
   if (!accepted)
     throw std::invalid_argument(fmt::format("simulated arm: {}: found {}, accepted {}", name, found, range));
@@ -30,6 +31,7 @@ control::JointArray ToArray(const JointVector& q) {
   return array;
 }
 
+// Answers due in one second. Throws where the period is not accepted.
 int AnswersPerSecond(const FriServerParams& params) {
   Require(params.send_period_ms >= 1 && params.send_period_ms <= 100, "send_period_ms", params.send_period_ms,
           "1 … 100");
@@ -54,6 +56,7 @@ void RequireCommandMode(CommandMode mode) {
           "command_mode", static_cast<double>(mode), "1 (POSITION), 2 (WRENCH), 3 (TORQUE)");
 }
 
+// Force, then torque about x, y, z or about z, y, x.
 std::array<double, 6> ToWire(const PlainWrench& F, bool torques_zyx) {
   return torques_zyx ? std::array{F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x}
                      : std::array{F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
@@ -187,7 +190,7 @@ void FriServer::CountClientSequence(std::uint32_t sequence) {
     counters_.client_gap += step - 1;
 }
 
-// Commands of a client that does not know of a stop are dropped silently, as on real arms.
+// Counts a motion that is commanded outside the commanding states: it is dropped silently, as on real arms.
 void FriServer::CountIgnored() {
   if (!has_pending_ || Commanding() || !pending_.has_joint_position) return;
   const auto q = Eigen::Map<const JointVector>(pending_.q.data());
@@ -195,7 +198,7 @@ void FriServer::CountIgnored() {
   counters_.ignored += !(off_rad <= params_.mirror_tolerance_rad);
 }
 
-bool FriServer::HasWhatModeNeeds() const {
+bool FriServer::HasRequiredFields() const {
   return pending_.has_joint_position &&
          (params_.command_mode != CommandMode::kWrench || pending_.has_wrench) &&
          (params_.command_mode != CommandMode::kTorque || pending_.has_torque);
@@ -207,7 +210,7 @@ void FriServer::EndCycle(bool client_had_its_time) {
   ++cycles_since_command_;
   drives_.Step(period_s());
   CountIgnored();
-  if (has_pending_ && Commanding() && !HasWhatModeNeeds()) {
+  if (has_pending_ && Commanding() && !HasRequiredFields()) {
     ++counters_.incomplete;
     has_pending_ = false;
   }
@@ -252,6 +255,7 @@ std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measur
   m.q_cmd = ToArray(q_commanded_);
   q_measured_ = measured.q;
   X_measured_ = measured.X_BC;
+  // low pass of first order
   if (params_.external_torque_cutoff_hz > 0.0)
     tau_estimated_ +=
         (1.0 - std::exp(-2.0 * std::numbers::pi * params_.external_torque_cutoff_hz * period_s())) *

@@ -156,19 +156,25 @@ class FriServer {
 
  private:
   [[nodiscard]] bool Commanding() const;
+  // At the end of a turn, counts its answer as received, excused or lost.
   void CountAnswer(bool client_had_its_time);
+  // Counts gaps and steps back in the client's own numbering.
   void CountClientSequence(std::uint32_t sequence);
   void CountIgnored();
-  [[nodiscard]] bool HasWhatModeNeeds() const;
+  // Whether the pending answer has what the command mode requires.
+  [[nodiscard]] bool HasRequiredFields() const;
   void StepMonitoring();
   void EndSession();
   void AskForCommanding();
   void StepCommandingWait();
   void ApplyCommand();
   [[nodiscard]] bool ApplyOverlay();
+  // Goes back to monitoring, and clears wrench and torques.
   void LeaveCommanding();
+  // Sets stop_ if too many answers were lost. @returns whether it did
   [[nodiscard]] bool ReportLosses();
   void EndOnLosses();
+  // Switches the drives off and leaves commanding. Without a report: stop level 1.
   void SafetyStop(StopReason reason, int joint, double found, double accepted);
   void SafetyStop(const StopReport& report, int level);
   [[nodiscard]] StopReport Report(StopReason reason, int joint, double found, double accepted) const;
@@ -182,13 +188,13 @@ class FriServer {
 
   control::SessionState state_{control::SessionState::kIdle};
   FriDrives drives_;
-  bool program_asks_{true};
-  int closing_cycles_{0};  // until IDLE; 0: not closing
-  int idle_messages_{0};   // still to send in IDLE
+  bool program_asks_{true};  // the robot program asks for commanding once the link is good
+  int closing_cycles_{0};    // until IDLE; 0: not closing
+  int idle_messages_{0};     // still to send in IDLE
   int cycles_in_session_{0};
   bool was_good_{false};
   int good_cycles_{0};
-  int mirrored_{0};
+  int mirrored_{0};  // answers in COMMANDING_WAIT that repeated the interpolator's position
   int cycles_since_command_{0};
   kinematics::JointVector q_commanded_, q_ipo_, q_measured_;
   PlainPose X_measured_, X_ipo_;

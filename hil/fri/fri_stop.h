@@ -35,7 +35,7 @@ struct StopReport {
 /// Text for any arm whose drives have lost their power.
 inline constexpr const char* kNoPower = "the drives have no power";
 
-/// One line for a screen, e.g. "joint step: A4 moved 0.0120 rad in one command, accepted 0.0014".
+/// One line for a screen, e.g. "joint step: A4 moved 0.01200 rad in one command, accepted 0.00140".
 [[nodiscard]] std::string Describe(const StopReport& stop);
 
 }  // namespace osteon::hil

@@ -52,8 +52,8 @@ class LinkQuality {
 
  private:
   QualityPolicyParams params_;
-  int window_;
-  std::array<Answer, kMaxWindow> history_{};
+  int window_;                                // answers due in a second
+  std::array<Answer, kMaxWindow> history_{};  // a ring of the last window_ answers
   int next_{0};
   int answered_{0}, lost_{0}, lost_in_a_row_{0};
 };

@@ -13,12 +13,13 @@ namespace {
 constexpr double kLongest_s = 1e9;  // longer than any run, and still within the range of nanoseconds
 constexpr rt::Nanoseconds kLongestDelay = 10 * rt::kSecond;
 
+// Also of an infinite time: it is clamped.
 rt::Nanoseconds ToNanoseconds(double time_s) {
   return std::llround(std::clamp(time_s, -kLongest_s, kLongest_s) * 1e9);
 }
 
 // Adds two shares; the sum is at most 1.
-double Sum(double share, double other) OSTEON_RT { return std::min(1.0, share + other); }
+double AddShares(double share, double other) OSTEON_RT { return std::min(1.0, share + other); }
 
 }  // namespace
 
@@ -52,9 +53,9 @@ FaultSchedule::FaultSchedule(const InjectionParams& params, Wire wire, Direction
   Validate(params);
   for (const Injection& injection : params.injections) {
     if (injection.wire != wire) continue;
-    const bool goes = injection.direction == direction || injection.direction == Direction::kBoth ||
-                      direction == Direction::kBoth;
-    if (!goes) continue;
+    const bool applies = injection.direction == direction || injection.direction == Direction::kBoth ||
+                         direction == Direction::kBoth;
+    if (!applies) continue;
     windows_.push_back({.from = ToNanoseconds(injection.from_s),
                         .to = ToNanoseconds(injection.to_s),
                         .faults = injection.faults});
@@ -65,13 +66,14 @@ WireFaults FaultSchedule::At(rt::Nanoseconds now) const OSTEON_RT {
   WireFaults sum;
   const rt::Nanoseconds time = now - begun_at_;
   for (const Window& window : windows_) {
+    // before the schedule starts, only windows with a negative beginning act
     if (begun_ ? time < window.from || time >= window.to : window.from >= 0) continue;
     const WireFaults& faults = window.faults;
-    sum.loss = Sum(sum.loss, faults.loss);
+    sum.loss = AddShares(sum.loss, faults.loss);
     sum.burst = std::max(sum.burst, faults.burst);
-    sum.duplicate = Sum(sum.duplicate, faults.duplicate);
-    sum.reorder = Sum(sum.reorder, faults.reorder);
-    sum.corrupt = Sum(sum.corrupt, faults.corrupt);
+    sum.duplicate = AddShares(sum.duplicate, faults.duplicate);
+    sum.reorder = AddShares(sum.reorder, faults.reorder);
+    sum.corrupt = AddShares(sum.corrupt, faults.corrupt);
     sum.delay += faults.delay;
     sum.jitter += faults.jitter;
     sum.silence |= faults.silence;

@@ -21,6 +21,7 @@ class FaultSchedule {
     begun_ = true;
   }
 
+  /// The sum of all faults that act at `now`.
   [[nodiscard]] WireFaults At(rt::Nanoseconds now) const OSTEON_RT;
 
   /// Whether no fault is scheduled.

@@ -9,13 +9,14 @@ namespace {
 
 using io::CanResult;
 
-constexpr int kMaxReads = 128;  // frames read in one call, so that a flood does not hold it up
+constexpr int kMaxReads = 128;  // frames read in one call, so that it returns in a flood
 constexpr std::size_t kIdBytes = 2;
 // Room for the frames of one second on a full bus.
 constexpr WireRoom kRoom{.datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};
 
 using Bytes = std::array<std::uint8_t, kIdBytes + 8>;
 
+// A frame as a wire's datagram: its identifier, low byte first, then its data.
 std::span<const std::uint8_t> PackFrame(const io::CanFrame& frame, Bytes& bytes) OSTEON_RT {
   const std::size_t size = std::min<std::size_t>(frame.size, frame.data.size());
   bytes[0] = static_cast<std::uint8_t>(frame.id);
@@ -68,7 +69,7 @@ CanResult ImpairedCanBus::Send(const io::CanFrame& frame) OSTEON_RT {
   return SendDue(now);
 }
 
-// False if the frame is not one of the wire's.
+// Puts a frame that has arrived on the wire. False if the frame is not one of the wire's.
 bool ImpairedCanBus::AcceptArrival(const io::CanArrival& arrival) OSTEON_RT {
   if (!IsOfWire(arrival.frame)) return false;
   gap_ |= arrival.after_gap;

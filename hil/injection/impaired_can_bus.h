@@ -40,9 +40,12 @@ class ImpairedCanBus final : public io::CanBus {
   [[nodiscard]] rt::Nanoseconds Now() const OSTEON_RT {
     return virtual_now_ ? *virtual_now_ : rt::MonotonicNow();
   }
+  // Whether the frame's identifier is one of the wire's.
   [[nodiscard]] bool IsOfWire(const io::CanFrame& frame) const OSTEON_RT;
+  // Sends the frames that are due on their way to the controller.
   io::CanResult SendDue(rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] bool AcceptArrival(const io::CanArrival& arrival) OSTEON_RT;
+  // Takes the next frame that is due on its way from the controller. False if there is none.
   [[nodiscard]] bool DeliverDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT;
 
   io::CanBus& bus_;

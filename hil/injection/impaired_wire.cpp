@@ -10,6 +10,7 @@ namespace {
 using simulation::Scramble;
 using simulation::Uniform;
 
+// A seed of its own for each wire and direction.
 std::uint64_t SeedOf(std::uint64_t seed, Wire wire, Direction direction) {
   return Scramble(Scramble(seed) + 4 * static_cast<std::uint64_t>(wire) +
                   static_cast<std::uint64_t>(direction));
@@ -25,11 +26,13 @@ ImpairedWire::ImpairedWire(const InjectionParams& params, Wire wire, Direction d
       slots_(room.datagrams),
       bytes_((room.datagrams + 2) * room.bytes) {}
 
-std::uint64_t ImpairedWire::Bits(Draw draw) const OSTEON_RT {
+std::uint64_t ImpairedWire::DrawBits(Draw draw) const OSTEON_RT {
   return Scramble(seed_ ^ Scramble(8 * counters_.pushed + static_cast<std::uint64_t>(draw)));
 }
 
-bool ImpairedWire::DrawEvent(Draw draw, double share) const OSTEON_RT { return Uniform(Bits(draw)) < share; }
+bool ImpairedWire::DrawEvent(Draw draw, double share) const OSTEON_RT {
+  return Uniform(DrawBits(draw)) < share;
+}
 
 // Outside a burst of b lost datagrams, a new burst begins with probability p. Between two bursts (1 - p) / p
 // datagrams pass on average, so p is chosen such that loss = b / (b + (1 - p) / p) in the long run.
@@ -54,9 +57,9 @@ std::size_t ImpairedWire::Damage(std::span<std::uint8_t> datagram) OSTEON_RT {
   const std::size_t size = datagram.size(), kept = room_.intact;
   if (size <= kept) return size;  // nothing that may be damaged
   ++counters_.corrupted;
-  const std::uint64_t damage = Bits(Draw::kDamage), place = Bits(Draw::kPlace);
-  if (damage % 4 == 0) return kept + place % (size - kept);
-  datagram[kept + place % (size - kept)] ^= static_cast<std::uint8_t>(1 + (damage >> 8) % 255);
+  const std::uint64_t damage = DrawBits(Draw::kDamage), position = DrawBits(Draw::kPlace);
+  if (damage % 4 == 0) return kept + position % (size - kept);
+  datagram[kept + position % (size - kept)] ^= static_cast<std::uint8_t>(1 + (damage >> 8) % 255);
   return size;
 }
 
@@ -76,25 +79,25 @@ void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds 
     return;
   }
 
-  const std::span<std::uint8_t> in_hand{bytes_.data() + room_.datagrams * room_.bytes, room_.bytes};
-  const std::span<std::uint8_t> held{in_hand.data() + room_.bytes, room_.bytes};
-  std::copy(datagram.begin(), datagram.end(), in_hand.begin());
+  const std::span<std::uint8_t> current{bytes_.data() + room_.datagrams * room_.bytes, room_.bytes};
+  const std::span<std::uint8_t> held{current.data() + room_.bytes, room_.bytes};
+  std::copy(datagram.begin(), datagram.end(), current.begin());
   std::size_t size = datagram.size();
-  if (DrawEvent(Draw::kCorrupt, faults.corrupt)) size = Damage(in_hand.first(size));
+  if (DrawEvent(Draw::kCorrupt, faults.corrupt)) size = Damage(current.first(size));
   int copies = 1;
   if (DrawEvent(Draw::kDuplicate, faults.duplicate)) {
     ++counters_.duplicated;
     ++copies;
   }
-  const auto jitter = static_cast<double>(faults.jitter) * Uniform(Bits(Draw::kJitter));
+  const auto jitter = static_cast<double>(faults.jitter) * Uniform(DrawBits(Draw::kJitter));
   const rt::Nanoseconds due = now + faults.delay + static_cast<rt::Nanoseconds>(jitter);
 
   if (held_.copies == 0 && DrawEvent(Draw::kReorder, faults.reorder)) {
-    std::copy_n(in_hand.begin(), size, held.begin());
+    std::copy_n(current.begin(), size, held.begin());
     held_ = {.copies = copies, .due = due, .size = size};
     return;
   }
-  Enqueue(in_hand.first(size), copies, due, now);
+  Enqueue(current.first(size), copies, due, now);
   if (held_.copies > 0) {
     ++counters_.reordered;
     Enqueue(held.first(held_.size), held_.copies, held_.due, now);

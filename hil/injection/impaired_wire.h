@@ -92,10 +92,12 @@ class ImpairedWire {
   };
   enum class Draw : std::uint64_t { kLoss, kDuplicate, kReorder, kCorrupt, kDamage, kPlace, kJitter };
 
-  [[nodiscard]] std::uint64_t Bits(Draw draw) const OSTEON_RT;
+  // Random bits for one draw about the present datagram.
+  [[nodiscard]] std::uint64_t DrawBits(Draw draw) const OSTEON_RT;
   [[nodiscard]] bool DrawEvent(Draw draw, double share) const OSTEON_RT;
   [[nodiscard]] bool IsLost(const WireFaults& faults) OSTEON_RT;
   [[nodiscard]] std::size_t Damage(std::span<std::uint8_t> datagram) OSTEON_RT;
+  // Puts copies in the ring, due not before the datagram ahead of them.
   void Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,
                rt::Nanoseconds now) OSTEON_RT;
 

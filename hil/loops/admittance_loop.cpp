@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kMaxDelay = 1000;  // ticks: a second at 1 kHz
 
+// A tool whose axes are none of the world's, so that the law's changes of frame are in the loop.
 const Matrix3& TurnedTool() {
   static const Matrix3 R = ExpRotation({0.3, -0.4, 0.2});
   return R;
@@ -60,6 +61,7 @@ AdmittanceLoop::AdmittanceLoop(const AdmittanceLoopParams& params) : params_(par
   motion_ = felt_ + params.sensor_delay;
 }
 
+// The state s: see size() for its parts, arm_ … motion_ for their places.
 Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   const GridHand& hand = params_.hand;
   const double x = s[arm_], v = s[arm_ + 1];
@@ -68,7 +70,7 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   const double a = (v - s[arm_ + 2]) / params_.period_s;
   const double felt_N =
       -(hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v + (hand.mass_kg + params_.tool_mass_kg) * a);
-  double told_N = params_.sensor_delay == 0 ? felt_N : s[felt_ + params_.sensor_delay - 1];
+  double law_input_N = params_.sensor_delay == 0 ? felt_N : s[felt_ + params_.sensor_delay - 1];
   control::MeasuredMotion motion;
   if (params_.inertia_share > 0.0) {
     motion.X.translation().x() = s[motion_];
@@ -77,9 +79,10 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
     Pose X_now = Pose::Identity();
     X_now.translation().x() = x;
     control::StepMotion(X_now, params_.acceleration_hz, params_.period_s, motion);
-    told_N += params_.inertia_share * params_.tool_mass_kg * motion.A.v.x();
+    law_input_N += params_.inertia_share * params_.tool_mass_kg * motion.A.v.x();
   }
 
+  // the wall's force: s[0] is the commanded position now, s[i] that of i ticks ago
   const LoopWall& wall = params_.wall;
   const int age = wall.age_ticks;
   const double wall_N =
@@ -88,6 +91,7 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
           : -wall.stiffness_N_per_m * s[age] -
                 wall.damping_Ns_per_m * (age == 0 ? s[speed_] : (s[age] - s[age + 1]) / params_.period_s);
 
+  // one step of the shipped law, along the tool's z
   const Vector3 axis_W = TurnedTool().col(2);
   control::AdmittanceParams law;
   law.mass_kg.z() = params_.mass_kg;
@@ -96,10 +100,11 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   tool.X_WT.linear() = TurnedTool();
   tool.X_WT.translation() = s[0] * axis_W;
   tool.V_WT.v = s[speed_] * axis_W;
-  const Wrench F_T_W{.f = (told_N + wall_N) * axis_W, .t = Vector3::Zero()};
+  const Wrench F_T_W{.f = (law_input_N + wall_N) * axis_W, .t = Vector3::Zero()};
   if (!control::StepAdmittance(law, F_T_W, params_.period_s, tool))
     return Eigen::VectorXd::Constant(size(), std::numeric_limits<double>::infinity());
 
+  // the next state: the commands move on, the arm steps, the felt forces move on
   Eigen::VectorXd next(size());
   next[0] = axis_W.dot(tool.X_WT.translation());
   for (int i = 1; i < arm_; ++i) next[i] = s[i - 1];

@@ -73,7 +73,8 @@ class AdmittanceLoop {
   AdmittanceLoopParams params_;
   double command_gain_;  // HeldArm::command_gain of the arm that the hand moves aside
   LoopArm linear_arm_;
-  int arm_, speed_, felt_, motion_;  // their first indices in the state
+  // first indices in the state: of x_r, of v, of the earlier felt forces, of the compensation's filters
+  int arm_, speed_, felt_, motion_;
 };
 
 /// The largest wall stiffness before the first crossing [N/m].

@@ -9,7 +9,7 @@ namespace osteon::hil {
 namespace {
 
 // Makes an arm without speed limits, at rest with all joints at `start` [rad].
-ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) {
+ServoArm MakeUnlimitedArm(const ServoArmParams& params, double period_s, double start) {
   std::array<kinematics::JointLimits, 7> unlimited;
   for (kinematics::JointLimits& limits : unlimited)
     limits.velocity_rad_per_s = std::numeric_limits<double>::max();
@@ -17,7 +17,7 @@ ServoArm Unlimited(const ServoArmParams& params, double period_s, double start) 
 }
 
 // Advances the arm by one period with a command. @returns position and speed of the first joint
-Eigen::Vector2d After(ServoArm& arm, double command) {
+Eigen::Vector2d StepFirstJoint(ServoArm& arm, double command) {
   arm.Step(kinematics::JointVector::Constant(command));
   return {arm.q()[0], arm.qd()[0]};
 }
@@ -26,19 +26,19 @@ Eigen::Vector2d After(ServoArm& arm, double command) {
 
 LoopArm LinearArm(const ServoArmParams& params, double period_s) {
   const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
-  ServoArmParams prompt = params;
+  ServoArmParams prompt = params;  // without whole periods of dead time
   prompt.dead_cycles = 0.0;
   // An arm starts at rest, so the column of its speed comes from the second step of an arm that is already
   // moving.
-  ServoArm arm = Unlimited(prompt, period_s, 1.0);
-  const Eigen::Vector2d first = After(arm, 0.0), second = After(arm, 0.0);
+  ServoArm arm = MakeUnlimitedArm(prompt, period_s, 1.0);
+  const Eigen::Vector2d first = StepFirstJoint(arm, 0.0), second = StepFirstJoint(arm, 0.0);
   prompt.dead_cycles = rest;
-  ServoArm told = Unlimited(prompt, period_s, 0.0);
+  ServoArm at_zero = MakeUnlimitedArm(prompt, period_s, 0.0);
 
   LoopArm linear{.step = {}, .whole = static_cast<int>(whole), .split = rest > 0.0};
   linear.step.col(0) = first;
   linear.step.col(1) = (second - first[0] * first) / first[1];
-  linear.step.col(3) = After(told, 1.0);
+  linear.step.col(3) = StepFirstJoint(at_zero, 1.0);
   // An arm at rest at the position of both commands stays there, which gives the column of the earlier
   // command.
   linear.step.col(2).setZero();

@@ -20,8 +20,9 @@ HandScript MakeDrillingScript(const DrillingScriptParams& p) {
   };
   // height of the head's centre when the tip is this far above the surface
   const auto tip = [&](double above_m) { return above_m + p.head_radius_m; };
+  // the target lies this much deeper than a peck, so that the hand's spring reaches the push's force
   const double beyond_m = p.push_force_N / p.hand_stiffness_N_per_m;
-  const double peck = 0.76 / p.pecks;
+  const double peck = 0.76 / p.pecks;  // share of the time
 
   add("grasp", 0.02, p.start_height_m, p.approach_force_N);
   add("approach", 0.10, tip(0.0), p.approach_force_N);

@@ -11,12 +11,12 @@ namespace osteon::hil {
 namespace {
 
 /// A value of a key, and its rate of change per second.
-struct Moving {
+struct ValueAndRate {
   double value, rate;
 };
 
 // Interpolates between two keys' values by a blend that takes `duration_s`.
-Moving Between(double from, double to, Blend b, double duration_s) {
+ValueAndRate Interpolate(double from, double to, Blend b, double duration_s) {
   return {from + (to - from) * b.s, (to - from) * b.slope / duration_s};
 }
 
@@ -80,10 +80,10 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
     }
     elapsed_s -= phase.duration_s;
   }
-  const Moving height = Between(from.height_m, to.height_m, blend, duration_s);
-  const Moving tilt = Between(from.tilt_rad, to.tilt_rad, blend, duration_s);
+  const ValueAndRate height = Interpolate(from.height_m, to.height_m, blend, duration_s);
+  const ValueAndRate tilt = Interpolate(from.tilt_rad, to.tilt_rad, blend, duration_s);
 
-  // orientation: the tilt vector turns in T's xy plane
+  // orientation: the tilt vector r turns in T's xy plane, by the whirl's angle p
   const double p = whirl_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
   const double p_rate = time_s > 0.0 && time_s < duration_s_ ? whirl_rad_per_s_ : 0.0;
   const Vector3 u{std::cos(p), std::sin(p), 0.0}, u_normal{-std::sin(p), std::cos(p), 0.0};
@@ -100,9 +100,10 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.X_WT.translation() = X_WC_.translation() + height.value * axis_W + p_center_apex_W;
   target.V_WT.v = height.rate * axis_W + target.V_WT.w.cross(p_center_apex_W);
 
-  // off the axis, on its circle; the rate is zero outside the script, where the swing is zero as well
+  // the swing's circle about the axis, at the angle q; the rate is zero outside the script, where the swing
+  // is zero as well
   if (swings_) {
-    const Moving swing = Between(from.swing_m, to.swing_m, blend, duration_s);
+    const ValueAndRate swing = Interpolate(from.swing_m, to.swing_m, blend, duration_s);
     const double q = swing_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
     const Vector3 out_C{std::cos(q), std::sin(q), 0.0}, on_C{-std::sin(q), std::cos(q), 0.0};
     target.X_WT.translation() += X_WC_.linear() * (swing.value * out_C);
@@ -110,8 +111,8 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   }
 
   target.height_m = height.value;
-  target.force_limit_N = Between(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
-  target.grip = Between(from.grip, to.grip, blend, duration_s).value;
+  target.force_limit_N = Interpolate(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
+  target.grip = Interpolate(from.grip, to.grip, blend, duration_s).value;
   target.done_height_m = to.done_height_m;  // a place of the plan, not of the hand: it is not blended
   target.give_m_per_N = to.give_m_per_N;
   return target;
@@ -136,6 +137,7 @@ HandScript MakeReamingScript(const ReamingScriptParams& p) {
        .max_target_m_per_s = p.max_target_m_per_s,
        .max_tilt_rad_per_s = p.max_tilt_rad_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
+  // adds a phase; the push goes beyond the depth, so that the hand's spring reaches the force limit
   const auto add = [&](const char* name, double share, double height_m, double force_N, double tilt_rad) {
     phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = tilt_rad});
   };

@@ -79,7 +79,7 @@ class HandScript {
   HandKey start_;
   std::vector<HandPhase> phases_;
   double duration_s_{0.0};
-  Matrix3 R_WT_upright_;
+  Matrix3 R_WT_upright_;  // of the tool along the axis: without tilt, z into the bone
 };
 
 /// Parameters for reaming one acetabulum.

@@ -18,7 +18,7 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
   RequireLoopPeriod(p.loop_period_s, widest_m, p.max_target_m_per_s);
 
   // the loops of a short script are limited by the radius from which it can return to the axis in time
-  constexpr double kToAxis = 0.08;
+  constexpr double kToAxis = 0.08;  // share of the time
   const ScriptBounds bounds{.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s};
   const double swing_m = std::min(widest_m, ScriptPhases::Reach(bounds, kToAxis));
 
@@ -32,7 +32,7 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
   const auto push = [&](double share_of_depth) {
     return p.head_radius_m - share_of_depth * p.depth_m - beyond_m;
   };
-  constexpr double kStraightIn = 0.3;  // share of the depth
+  constexpr double kStraightIn = 0.3;  // share of the depth before the loops begin
 
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.13, p.head_radius_m, p.approach_force_N, 0.0);

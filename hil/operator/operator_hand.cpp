@@ -10,6 +10,7 @@
 namespace osteon::hil {
 namespace {
 
+// Shortens a vector to at most this norm; its direction stays.
 Vector3 LimitNorm(const Vector3& v, double max_size) {
   const double size = v.norm();
   return size > max_size ? Vector3(v * (max_size / size)) : v;
@@ -121,6 +122,7 @@ OperatorHand::Handle OperatorHand::HandleAt(const HandTarget& target, const Pose
 
 double OperatorHand::PushShare(double period_s, const HandTarget& target, const Vector3& p_W_head) noexcept {
   const double head_m = script_.X_WC().linear().col(2).dot(p_W_head - script_.X_WC().translation());
+  // height of the tool that the operator sees, above the head by the coupling's deflection
   const double seen_m = head_m + target.give_m_per_N * pushed_N_;
   const double wanted = std::clamp((seen_m - target.done_height_m) / kNearlyDone_m, 0.0, 1.0);
   return push_share_ + period_s / (kSight_s + period_s) * (wanted - push_share_);
@@ -141,18 +143,20 @@ Wrench OperatorHand::ComputeWrench(std::size_t incident, double grip, const Hand
 
 void OperatorHand::ChangeSpring(const IncidentMoment& moment, double force_limit_N,
                                 const Handle& handle) noexcept {
-  const bool own = holding_ == IncidentMoment::kNone;
+  const bool without_incident = holding_ == IncidentMoment::kNone;
   if (moment.clamped) {
     X_W_clamped_ = handle.X;
     kept_ = {};
   } else {
-    // with the same bound as before the change
-    Wrench before = ComputeWrench(holding_, moment.grip, handle, own ? Wrench{} : kept_);
-    if (own) before.f = LimitAxially(before.f, script_.X_WC().linear().col(2), force_limit_N, push_share_);
-    before.f = LimitNorm(before.f, params_.max_force_N);
-    before.t = LimitNorm(before.t, params_.max_torque_Nm);
-    const Wrench after = ComputeWrench(moment.holding, moment.grip, handle, {});
-    kept_ = {.f = before.f - after.f, .t = before.t - after.t};
+    // keep the difference between the wrench before the change, within its bounds, and the new spring's
+    // wrench
+    Wrench F_before = ComputeWrench(holding_, moment.grip, handle, without_incident ? Wrench{} : kept_);
+    if (without_incident)
+      F_before.f = LimitAxially(F_before.f, script_.X_WC().linear().col(2), force_limit_N, push_share_);
+    F_before.f = LimitNorm(F_before.f, params_.max_force_N);
+    F_before.t = LimitNorm(F_before.t, params_.max_torque_Nm);
+    const Wrench F_after = ComputeWrench(moment.holding, moment.grip, handle, {});
+    kept_ = {.f = F_before.f - F_after.f, .t = F_before.t - F_after.t};
   }
   holding_ = moment.holding;
 }

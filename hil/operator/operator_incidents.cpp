@@ -22,7 +22,7 @@ double Progress(double since_s, double takes_s) {
 }
 
 // Sets the jerk and the grip of a startled release at a time.
-void Release(const StartledRelease& release, double time_s, IncidentMoment& moment) {
+void ApplyRelease(const StartledRelease& release, double time_s, IncidentMoment& moment) {
   const double since_s = time_s - release.begin_s;
   if (since_s < release.jerk_s) {
     const double wave = std::sin(std::numbers::pi * since_s / release.jerk_s);
@@ -34,7 +34,7 @@ void Release(const StartledRelease& release, double time_s, IncidentMoment& mome
                                : Progress(time_s - end_s, release.return_s);
 }
 
-// Throws for a wrong value of an incident, by name.
+// Checks the values of the incident with this number; throws std::invalid_argument with the value's name.
 class Checker {
  public:
   explicit Checker(std::size_t number) : number_(number) {}
@@ -113,7 +113,7 @@ IncidentMoment MomentOf(const HandIncidents& incidents, double time_s) noexcept 
     const auto [begin_s, end_s, over_s] = TimesOf(incidents.list[i]);
     if (time_s < begin_s || time_s >= over_s) continue;
     if (const auto* release = std::get_if<StartledRelease>(&incidents.list[i])) {
-      Release(*release, time_s, moment);
+      ApplyRelease(*release, time_s, moment);
       break;
     }
     const bool clamp = std::holds_alternative<RigidClamp>(incidents.list[i]);

@@ -10,13 +10,14 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kPushShare = 0.45;  // the push's share of a tool's time
-constexpr std::string_view kHold = "change";
+constexpr double kPushShare = 0.45;           // the push's share of a tool's time
+constexpr std::string_view kHold = "change";  // first word of the phases in which a tool is changed
 
 // Returns last_push_ratio, or the smaller ratio (at least 1) that leaves min_tool_s to each other tool.
 double LastPushRatio(const ProcedureScriptParams& p) {
-  const double of_least = p.seconds / p.min_tool_s - static_cast<double>(p.heights_m.size());
-  return std::clamp(1.0 + of_least / kPushShare, 1.0, p.last_push_ratio);
+  // the time that is left when each tool has min_tool_s, in multiples of min_tool_s
+  const double spare_tool_times = p.seconds / p.min_tool_s - static_cast<double>(p.heights_m.size());
+  return std::clamp(1.0 + spare_tool_times / kPushShare, 1.0, p.last_push_ratio);
 }
 
 }  // namespace
@@ -44,13 +45,14 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
   const double last_push_ratio = LastPushRatio(p);
   // A tool's share of the script; the last tool's share is larger by its longer push.
-  const double tool = 1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (last_push_ratio - 1.0));
+  const double tool_share =
+      1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (last_push_ratio - 1.0));
   double done_height_m = HandKey::kNever_m;
   // An operator who sees the plan presses with the whole force until the planned height is reached.
   const double past_plan_m = p.sees_plan ? p.push_force_N / p.hand_stiffness_N_per_m : p.past_plan_m;
   const auto add = [&](const std::string& name, double share, double height_m, double force_N,
                        double swing_m = 0.0) {
-    phases.Add(name, share * tool,
+    phases.Add(name, share * tool_share,
                {.height_m = height_m,
                 .force_limit_N = force_N,
                 .tilt_rad = 0.0,
@@ -64,12 +66,14 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
     if (p.sees_plan) done_height_m = height_m;
     const double above_m = i == 0 ? p.start_height_m : p.retract_height_m;
     add("grasp" + name, 0.02, above_m, p.approach_force_N);
-    const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0, widen = around_m > 0.0 ? 0.05 : 0.0;
-    add("approach" + name, 0.15 - widen, height_m + p.approach_m, p.approach_force_N);
-    if (widen > 0.0) add("widen" + name, widen, height_m + p.approach_m, p.approach_force_N, around_m);
-    const double longer = i + 1 == p.heights_m.size() ? last_push_ratio : 1.0;
+    const double around_m = i < p.around_m.size() ? p.around_m[i] : 0.0,
+                 widen_share = around_m > 0.0 ? 0.05 : 0.0;
+    add("approach" + name, 0.15 - widen_share, height_m + p.approach_m, p.approach_force_N);
+    if (widen_share > 0.0)
+      add("widen" + name, widen_share, height_m + p.approach_m, p.approach_force_N, around_m);
+    const double push_ratio = i + 1 == p.heights_m.size() ? last_push_ratio : 1.0;
     add("push" + name, 0.25, height_m - past_plan_m, p.push_force_N, around_m);
-    add("finish" + name, kPushShare * longer - 0.25, height_m - past_plan_m, p.push_force_N, around_m);
+    add("finish" + name, kPushShare * push_ratio - 0.25, height_m - past_plan_m, p.push_force_N, around_m);
     add("retract" + name, 0.18, p.retract_height_m, p.push_force_N);
     add(std::string(kHold) + name, 0.20, p.retract_height_m, p.approach_force_N);
   }

@@ -6,7 +6,7 @@
 
 #include "hil/operator/hand_script.h"
 
-// Helpers that build the scripts of hand_script.h, drilling_script.h and opening_script.h.
+// Helpers that build the operators' scripts (scripts.h).
 
 namespace osteon::hil {
 
@@ -29,6 +29,7 @@ void RequireCommon(const Params& p) {
   RequireInScript(p.max_target_m_per_s > 0.0, "max_target_m_per_s", p.max_target_m_per_s, "> 0");
 }
 
+/// Length of a script, and bounds on the speed of its targets.
 struct ScriptBounds {
   double seconds{10.0};            ///< of the whole script
   double max_target_m_per_s{0.2};  ///< along the axis, and of a growing or shrinking swing
@@ -50,6 +51,7 @@ class ScriptPhases {
   /// State at the end of the last phase.
   [[nodiscard]] const HandKey& key() const { return key_; }
   [[nodiscard]] const HandKey& start() const { return start_; }
+  /// Hands over the phases; the last call.
   [[nodiscard]] std::vector<HandPhase> ReleasePhases() { return std::move(phases_); }
 
  private:

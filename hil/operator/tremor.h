@@ -23,6 +23,7 @@ class Tremor {
       for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
   }
 
+  /// The tremor's force [N] at this time.
   [[nodiscard]] Vector3 ForceAt(double time_s) const noexcept {
     Vector3 f = Vector3::Zero();
     if (peak_N_ == 0.0) return f;
@@ -34,7 +35,7 @@ class Tremor {
   }
 
  private:
-  static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};
+  static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};  // of the three sinusoids
   double peak_N_;
   std::array<std::array<double, 3>, 3> phase_rad_{};  // by axis, then by sinusoid
 };

@@ -5,9 +5,10 @@
 namespace osteon::hil {
 namespace {
 
+// Exception codes of Modbus.
 constexpr std::uint8_t kIllegalFunction = 1, kIllegalAddress = 2, kIllegalValue = 3;
 
-std::uint16_t U16(std::span<const std::uint8_t> bytes, std::size_t at) {
+std::uint16_t ReadU16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
 }
 
@@ -16,8 +17,9 @@ void PutU16(std::vector<std::uint8_t>& bytes, unsigned value) {
   bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
-// The request's header with another length, then the function and its data.
-std::vector<std::uint8_t> Adu(std::span<const std::uint8_t> request, std::span<const std::uint8_t> pdu) {
+// An answer: the request's header with another length, then the function and its data.
+std::vector<std::uint8_t> MakeAnswer(std::span<const std::uint8_t> request,
+                                     std::span<const std::uint8_t> pdu) {
   std::vector<std::uint8_t> answer(request.begin(), request.begin() + 4);
   PutU16(answer, static_cast<unsigned>(pdu.size() + 1));
   answer.push_back(request[6]);
@@ -29,9 +31,9 @@ std::vector<std::uint8_t> Adu(std::span<const std::uint8_t> request, std::span<c
 
 MbapFrame FrameOf(std::span<const std::uint8_t> stream) {
   // judge each field as soon as it is complete
-  if (stream.size() >= 4 && U16(stream, 2) != 0) return {.state = MbapState::kBroken};
+  if (stream.size() >= 4 && ReadU16(stream, 2) != 0) return {.state = MbapState::kBroken};
   if (stream.size() < 6) return {};
-  const std::size_t length = U16(stream, 4);
+  const std::size_t length = ReadU16(stream, 4);
   if (length < 2 || length > kModbusMaxAdu - 6) return {.state = MbapState::kBroken};
   if (stream.size() < 6 + length) return {};
   return {.state = MbapState::kWhole, .size = 6 + length};
@@ -39,7 +41,7 @@ MbapFrame FrameOf(std::span<const std::uint8_t> stream) {
 
 std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request, std::uint8_t exception) {
   const std::uint8_t answer[]{static_cast<std::uint8_t>(request[kMbapHeader] | 0x80), exception};
-  return Adu(request, answer);
+  return MakeAnswer(request, answer);
 }
 
 std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
@@ -50,9 +52,9 @@ std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
   std::vector<std::uint8_t> answer{function};
 
   switch (function) {
-    case 3: {
+    case 3: {  // read holding registers
       if (pdu.size() != 5) return refuse(kIllegalValue);
-      const unsigned first = U16(pdu, 1), count = U16(pdu, 3);
+      const unsigned first = ReadU16(pdu, 1), count = ReadU16(pdu, 3);
       if (count < 1 || count > 125) return refuse(kIllegalValue);
       if (first + count > 65536u) return refuse(kIllegalAddress);
       answer.push_back(static_cast<std::uint8_t>(2 * count));
@@ -61,27 +63,27 @@ std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
         if (!value) return refuse(kIllegalAddress);
         PutU16(answer, *value);
       }
-      return Adu(request, answer);
+      return MakeAnswer(request, answer);
     }
-    case 6: {
+    case 6: {  // write one register
       if (pdu.size() != 5) return refuse(kIllegalValue);
-      if (!registers.writable(U16(pdu, 1))) return refuse(kIllegalAddress);
-      registers.write(U16(pdu, 1), U16(pdu, 3));
-      return Adu(request, pdu);
+      if (!registers.writable(ReadU16(pdu, 1))) return refuse(kIllegalAddress);
+      registers.write(ReadU16(pdu, 1), ReadU16(pdu, 3));
+      return MakeAnswer(request, pdu);
     }
-    case 16: {
+    case 16: {  // write several registers
       if (pdu.size() < 6) return refuse(kIllegalValue);
-      const unsigned first = U16(pdu, 1), count = U16(pdu, 3);
+      const unsigned first = ReadU16(pdu, 1), count = ReadU16(pdu, 3);
       if (count < 1 || count > 123 || pdu[5] != 2 * count || pdu.size() != 6 + 2 * std::size_t{count})
         return refuse(kIllegalValue);
       if (first + count > 65536u) return refuse(kIllegalAddress);
       for (unsigned i = 0; i < count; ++i)
         if (!registers.writable(static_cast<std::uint16_t>(first + i))) return refuse(kIllegalAddress);
       for (unsigned i = 0; i < count; ++i)
-        registers.write(static_cast<std::uint16_t>(first + i), U16(pdu, 6 + 2 * std::size_t{i}));
+        registers.write(static_cast<std::uint16_t>(first + i), ReadU16(pdu, 6 + 2 * std::size_t{i}));
       PutU16(answer, first);
       PutU16(answer, count);
-      return Adu(request, answer);
+      return MakeAnswer(request, answer);
     }
     default:
       return refuse(kIllegalFunction);

@@ -16,8 +16,8 @@
 
 namespace osteon::hil {
 
-inline constexpr std::size_t kMbapHeader = 7;
-inline constexpr std::size_t kModbusMaxAdu = 260;
+inline constexpr std::size_t kMbapHeader = 7;      ///< bytes before the function
+inline constexpr std::size_t kModbusMaxAdu = 260;  ///< bytes of the largest request or answer
 
 /// The registers behind the server.
 struct ModbusRegisters {
@@ -39,13 +39,13 @@ struct MbapFrame {
   std::size_t size{0};
 };
 
-/// Classifies the first bytes of a stream.
+/// Finds the first request in the bytes of a stream, if there is a whole one.
 [[nodiscard]] MbapFrame FrameOf(std::span<const std::uint8_t> stream);
 
 /// Refuses one whole request with an exception code, e.g. kServerBusy.
 [[nodiscard]] std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request,
                                                      std::uint8_t exception);
-inline constexpr std::uint8_t kServerBusy = 6;
+inline constexpr std::uint8_t kServerBusy = 6;  ///< exception code
 
 /// Answers one whole request (FrameOf returned kWhole). A write takes effect as a whole or not at all. Never
 /// empty.

@@ -33,8 +33,8 @@ class PlcInjection {
  private:
   PlcServer& server_;
   FaultSchedule schedule_;
-  std::uint64_t draws_;
-  WireFaults before_;
+  std::uint64_t draws_;  // state of the random numbers for jitter
+  WireFaults before_;    // of the step before
   std::uint64_t hangs_{0}, drops_{0};
 };
 

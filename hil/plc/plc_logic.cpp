@@ -67,12 +67,12 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   latched_ |= latching;
   const bool guarded = !params_.guard || guard_.lives;
 
-  // a press of the reset button clears what has no cause any more
+  // a press of the reset button clears the latched blocks whose cause has gone
   if (inputs.reset && !reset_before_) {
-    int standing = latching;
-    if (!controller_.lives) standing |= Bit(PlcBlock::kControllerLost);
-    if (!guarded) standing |= Bit(PlcBlock::kGuardLost);
-    latched_ = static_cast<std::uint16_t>(latched_ & standing);
+    int still_present = latching;
+    if (!controller_.lives) still_present |= Bit(PlcBlock::kControllerLost);
+    if (!guarded) still_present |= Bit(PlcBlock::kGuardLost);
+    latched_ = static_cast<std::uint16_t>(latched_ & still_present);
   }
   reset_before_ = inputs.reset;
 

@@ -91,7 +91,7 @@ class PlcLogic {
     bool seen{false}, lives{false};
     std::uint16_t value{0};
     rt::Nanoseconds changed{0};
-    // True if it was alive and is no longer.
+    // Takes the heartbeat's present value. @returns true if the heartbeat has just stopped
     bool UpdateHeartbeat(rt::Nanoseconds now, std::uint16_t heartbeat, rt::Nanoseconds timeout);
   };
 
@@ -99,8 +99,9 @@ class PlcLogic {
   PlcLogicOutputs outputs_;
   Heartbeat controller_, guard_;
   std::uint16_t latched_;
-  bool reset_before_{false}, request_before_{false}, requested_{false};
-  bool must_release_{false};  // the enabling switch was squeezed through
+  bool reset_before_{false}, request_before_{false};  // inputs of the step before
+  bool requested_{false};                             // a valid request for motion lasts
+  bool must_release_{false};                          // the enabling switch was squeezed through
   ModeSelector mode_before_{ModeSelector::kNone};
   rt::Nanoseconds now_{0}, permitted_at_{0};
   bool powered_{false};

@@ -73,12 +73,13 @@ class PlcServer {
     std::deque<Answer> answers;  ///< still to be sent, oldest first
   };
 
-  void Run();
-  void StepProgram();
-  void Accept();
+  void Run();          // the server's thread
+  void StepProgram();  // one cycle of PlcLogic with the panel and the written registers
+  void Accept();       // a new connection
   bool Serve(Client& client);
   static bool SendDue(Client& client, rt::Nanoseconds now);
   void SendDueAnswers();
+  // The next cycle, or the earliest due answer if it comes first.
   [[nodiscard]] rt::Nanoseconds NextWake(rt::Nanoseconds cycle_due) const;
 
   PlcServerParams params_;
@@ -94,8 +95,8 @@ class PlcServer {
   PlcPanel panel_;
   PlcLogicOutputs outputs_;
   PlcServerCounters counters_;
-  std::atomic<rt::Nanoseconds> delay_{0}, delay_once_{0};
-  std::atomic<int> busy_{0};  ///< requests that are still to be refused
+  std::atomic<rt::Nanoseconds> delay_{0}, delay_once_{0};  ///< of each answer; of the next answer
+  std::atomic<int> busy_{0};                               ///< requests that are still to be refused
   std::atomic<bool> hung_{false}, program_stopped_{false}, drop_{false}, stop_{false};
   std::thread thread_;
 };

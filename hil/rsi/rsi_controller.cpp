@@ -23,14 +23,14 @@ Six ToDegrees(const Joints& q) {
 }
 
 // Pads six joints to seven for ServoArm.
-kinematics::JointVector Seven(const kinematics::JointVectorN<6>& q) {
+kinematics::JointVector PadToSeven(const kinematics::JointVectorN<6>& q) {
   kinematics::JointVector seven = kinematics::JointVector::Zero();
   seven.head<6>() = q;
   return seven;
 }
 
 // Pads the limits of six joints to seven for ServoArm.
-std::array<kinematics::JointLimits, 7> SevenLimits(const kinematics::OrthoParallelParams& arm) {
+std::array<kinematics::JointLimits, 7> PadLimitsToSeven(const kinematics::OrthoParallelParams& arm) {
   std::array<kinematics::JointLimits, 7> limits{};
   std::copy(arm.limits.begin(), arm.limits.end(), limits.begin());
   limits[6] = {.lower_rad = -1.0, .upper_rad = 1.0, .velocity_rad_per_s = 1.0};
@@ -57,11 +57,13 @@ Six FrameOf(const Pose& X) {
           std::atan2(R(2, 1), R(2, 2)) / kDegree};
 }
 
+// Throws std::invalid_argument unless accepted.
 void Require(bool accepted, const std::string& name, double found, std::string_view range) {
   if (!accepted)
     throw std::invalid_argument(fmt::format("simulated KR: {}: found {}, accepted {}", name, found, range));
 }
 
+// Returns the parameters; throws where one is not accepted.
 const RsiControllerParams& Checked(const RsiControllerParams& params) {
   Require(params.cycle_ms == 4 || params.cycle_ms == 12, "cycle_ms", params.cycle_ms, "4 or 12");
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
@@ -111,8 +113,8 @@ RsiController::RsiController(const RsiControllerParams& params)
     : params_(Checked(params)),
       arm_(params.arm),
       chain_(kinematics::ChainFrom(params.arm)),
-      servo_(params.servo, SevenLimits(params.arm), 1e-3 * params.cycle_ms,
-             Seven(ToRadians(params.start_deg))),
+      servo_(params.servo, PadLimitsToSeven(params.arm), 1e-3 * params.cycle_ms,
+             PadToSeven(ToRadians(params.start_deg))),
       start_deg_(params.start_deg),
       q_set_(ToRadians(params.start_deg)),
       q_(q_set_),
@@ -145,8 +147,8 @@ bool RsiController::Receive(std::span<const std::uint8_t> datagram) {
     return false;
   }
   if (answer->ipoc != state_.ipoc || counters.sent == 0 || !state_.running) {
-    const bool was = answer->ipoc < state_.ipoc && answer->ipoc >= first_ipoc_;
-    ++(was ? counters.late : counters.wrong_ipoc);
+    const bool is_earlier = answer->ipoc < state_.ipoc && answer->ipoc >= first_ipoc_;
+    ++(is_earlier ? counters.late : counters.wrong_ipoc);
     return false;
   }
   if (answered_) {
@@ -227,11 +229,11 @@ void RsiController::ApplyCorrection() {
   }
   for (std::size_t i = 0; i < 6; ++i) {
     const auto& limit = params_.arm.limits[i];
-    const double at = q[static_cast<int>(i)];
-    if (at < limit.lower_rad || at > limit.upper_rad)
-      return End(RsiStopReason::kAxisLimit, static_cast<int>(i) + 1, at / kDegree,
-                 (at < limit.lower_rad ? limit.lower_rad : limit.upper_rad) / kDegree);
-    const double speed_rad_per_s = std::abs(at - q_set_[static_cast<int>(i)]) / period_s();
+    const double axis_rad = q[static_cast<int>(i)];
+    if (axis_rad < limit.lower_rad || axis_rad > limit.upper_rad)
+      return End(RsiStopReason::kAxisLimit, static_cast<int>(i) + 1, axis_rad / kDegree,
+                 (axis_rad < limit.lower_rad ? limit.lower_rad : limit.upper_rad) / kDegree);
+    const double speed_rad_per_s = std::abs(axis_rad - q_set_[static_cast<int>(i)]) / period_s();
     const double max_rad_per_s = params_.axis_speed_ratio * limit.velocity_rad_per_s;
     if (speed_rad_per_s > max_rad_per_s)
       return End(RsiStopReason::kAxisSpeed, static_cast<int>(i) + 1, speed_rad_per_s / kDegree,
@@ -247,11 +249,12 @@ void RsiController::Drive() {
     q_ = q_set_;
     return;
   }
-  servo_.Step(Seven(q_set_));
+  servo_.Step(PadToSeven(q_set_));
   q_ = servo_.q().head<6>();
   qd_ = servo_.qd().head<6>();
 }
 
+// Ends RSI: the set point stays where it is.
 void RsiController::End(RsiStopReason reason, int axis, double found, double accepted) {
   state_.running = false;
   state_.stop = {.reason = reason, .axis = axis, .found = found, .accepted = accepted};

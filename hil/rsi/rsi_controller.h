@@ -54,9 +54,10 @@ struct RsiStopReport {
   double found{0.0}, accepted{0.0};
 };
 
-/// One line with the figures, e.g. "correction range: A2 corrected by 91 deg, accepted 90".
+/// One line with the figures, e.g. "correction range: number 2 corrected by 91, accepted 90".
 [[nodiscard]] std::string Describe(const RsiStopReport& stop);
 
+/// Numbers of messages and answers so far.
 struct RsiCounters {
   std::uint64_t sent{0}, answered{0};
   std::uint64_t missed{0};      ///< cycles without an answer in time

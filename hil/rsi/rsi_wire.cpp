@@ -13,6 +13,7 @@ constexpr std::array<std::string_view, 6> kAxisNames{"A1", "A2", "A3", "A4", "A5
 constexpr std::array<std::string_view, 6> kExternalNames{"E1", "E2", "E3", "E4", "E5", "E6"};
 constexpr std::array<std::string_view, 6> kFrameNames{"X", "Y", "Z", "A", "B", "C"};
 
+// An empty XML element with six numbers as attributes, in four decimals.
 std::string Element(std::string_view name, const std::array<std::string_view, 6>& attributes,
                     const Six& values) {
   std::string text = fmt::format("<{}", name);
@@ -20,11 +21,13 @@ std::string Element(std::string_view name, const std::array<std::string_view, 6>
   return text + "/>";
 }
 
-// Parses a text by position; the first unexpected part stops it.
+// Parses a text by position. After the first unexpected part all calls do nothing, and error() says what was
+// expected at which byte.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
 
+  // Whether the text goes on with this word; Expect also consumes it.
   [[nodiscard]] bool Is(std::string_view word) const { return text_.substr(at_).starts_with(word); }
   void Expect(std::string_view word) {
     if (!error_.empty()) return;
@@ -66,6 +69,7 @@ class Cursor {
   std::string error_;
 };
 
+// Reads <RKorr … /> or <AK … /> with its six numbers.
 void ReadCorrection(Cursor& cursor, bool cartesian, Six& correction) {
   cursor.Expect(cartesian ? "<RKorr" : "<AK");
   for (std::size_t i = 0; i < 6; ++i) {
@@ -118,7 +122,7 @@ tl::expected<SenMessage, std::string> ReadSen(std::span<const std::uint8_t> data
       } else if (cursor.Is("<IPOC>") && !numbered) {
         read_ipoc();
         numbered = true;
-      } else {  // unknown element
+      } else {  // skip an unknown element, with its content
         cursor.Expect("<");
         const std::string name(cursor.Until(">"));
         cursor.Expect(">");

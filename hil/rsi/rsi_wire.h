@@ -17,7 +17,7 @@ enum class RsiFormat : std::uint8_t {
   kKroshu,  ///< <Sen> read by position: refused if a single byte is off
 };
 
-using Six = std::array<double, 6>;
+using Six = std::array<double, 6>;  ///< of six axes, or of a frame X Y Z A B C
 
 /// <Rob>. Degrees and millimetres.
 struct RobMessage {

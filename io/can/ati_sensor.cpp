@@ -33,12 +33,14 @@ constexpr std::array<double, 7> kTorqueUnit_Nm{
 // Bits of the sensor's status word. Faults: bits 1 … 8 (converter, ground, supply, calibration, memory), 11
 // and 12 (temperature).
 constexpr std::uint16_t kStatusFault = 0x19FE;
-constexpr std::uint16_t kStatusBus = 0x4000;
+constexpr std::uint16_t kStatusBus = 0x4000;  // a CAN error
 
+// Identifier of a frame of the sensor with this base.
 std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {
   return static_cast<std::uint16_t>(base << 4 | code);
 }
 
+// A float32 from four bytes, the highest first.
 double DecodeFloat(const std::uint8_t* bytes) OSTEON_RT {
   return std::bit_cast<float>(GetBig<std::uint32_t>(bytes));
 }
@@ -138,6 +140,7 @@ void AtiSensor::HandleUnits(const CanFrame& frame) OSTEON_RT {
 void AtiSensor::HandleReading() OSTEON_RT {
   const auto& bytes = joiner_.bytes();
   Values gauges{}, wrench{};
+  // bytes: status, gauges 0, 2, 4, then gauges 1, 3, 5
   for (std::size_t i = 0; i < 6; ++i)
     gauges[i] = GetBig<std::int16_t>(&bytes[i % 2 == 0 ? 2 + i : 8 + (i - 1)]);
   const bool saturated =

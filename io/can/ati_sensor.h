@@ -57,6 +57,7 @@ class AtiSensor final : public WrenchSensor {
   [[nodiscard]] const std::array<double, 36>& matrix() const { return matrix_; }
 
  private:
+  // Cause of a failed set-up.
   enum class Wrong : std::uint8_t { kNothing, kSilent, kMatrix, kCounts, kUnits };
   using Values = std::array<double, 6>;
 
@@ -65,22 +66,24 @@ class AtiSensor final : public WrenchSensor {
   void HandleCounts(const CanFrame& frame) OSTEON_RT;
   void HandleUnits(const CanFrame& frame) OSTEON_RT;
   void HandleReading() OSTEON_RT;
+  // Goes on to the next step of the set-up.
   void Advance() OSTEON_RT;
+  // Ends in kFailed. found, other: figures for failure(), by cause.
   void Fail(Wrong wrong, double found, double other = 0.0) OSTEON_RT;
 
   AtiParams params_;
   PairJoiner joiner_;
   SensorPhase phase_{SensorPhase::kStarting};
-  int step_{0};  // 0 … 5 rows of the matrix, 6 counts, 7 units, 8 running
-  std::size_t next_part_{0};
-  int attempts_{0};
-  rt::Nanoseconds due_{0};
+  int step_{0};               // 0 … 5 rows of the matrix, 6 counts, 7 units, 8 running
+  std::size_t next_part_{0};  // of the present row of the matrix, 0 … 2
+  int attempts_{0};           // requests of the present step so far
+  rt::Nanoseconds due_{0};    // of the next request
   Wrong wrong_{Wrong::kNothing};
   double found_{0.0}, found_other_{0.0};
   std::array<double, 36> matrix_{};
   double counts_per_force_{1.0}, counts_per_torque_{1.0}, force_unit_N_{1.0}, torque_unit_Nm_{1.0};
   Values bias_{}, bias_sum_{};
-  int bias_left_{0};
+  int bias_left_{0};  // readings still to be averaged for a bias
   SensorReading latest_;
   std::uint64_t readings_{0}, unexpected_{0}, malformed_{0};
 };

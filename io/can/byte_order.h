@@ -6,7 +6,8 @@
 
 #include "base/marker.h"
 
-// Integers in frames. Signed ones are converted through their unsigned type, as C++20 defines it.
+// Integers in frames: big-endian (the highest byte first) or little-endian. Signed ones are converted through
+// their unsigned type, as C++20 defines it.
 
 namespace osteon::io {
 
