@@ -21,12 +21,14 @@ bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   return difference == 0;
 }
 
+// Writes a text, cut to kMaxText, after its length.
 void PutText(ByteWriter& writer, const std::string& text) {
   const std::string cut = text.substr(0, kMaxText);
   writer.Put(static_cast<std::uint16_t>(cut.size()));
   writer.PutBytes({reinterpret_cast<const std::uint8_t*>(cut.data()), cut.size()});
 }
 
+// A random number other than 0; the time if the system has no random numbers.
 std::uint64_t NewSession() {
   std::uint64_t session = 0;
   while (session == 0)
@@ -186,7 +188,7 @@ void UdpEngineServer::SetFailed(const std::string& why) {
 }
 
 EngineEvent UdpEngineServer::Await(EngineCommand& command, rt::Nanoseconds deadline) {
-  bool newer = false;
+  bool newer = false;  // a command has come; read on, since a newer one may wait
   for (;;) {
     EngineHeader header;
     std::span<const std::uint8_t> content;
