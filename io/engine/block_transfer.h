@@ -20,8 +20,8 @@ namespace osteon::io {
 
 enum class EngineBlock : std::uint8_t { kSetup = 0, kCarved = 1 };
 
-inline constexpr std::size_t kPieceBytes =
-    1280;  ///< of a block in one message; its last piece may be shorter
+/// Bytes of a block in one message; the last piece may be shorter.
+inline constexpr std::size_t kPieceBytes = 1280;
 /// Most pieces asked for at once: together below the socket buffers of any system.
 inline constexpr std::size_t kWindowPieces = 32;
 /// A larger block is refused.

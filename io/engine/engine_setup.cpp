@@ -17,7 +17,8 @@ constexpr std::array<std::uint8_t, 8> kMagic{'O', 'S', 'T', 'E', 'N', 'S', 'E', 
 constexpr std::uint32_t kVersion = 2;                                          // version 1 had no edges
 constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);  // magic, version, CRC
 constexpr std::size_t kMaxText = 4096;                                         // bytes of a name
-constexpr double kMax_m = 1e3;  // bound on coordinates and radii: far beyond any bone
+// Bound on coordinates and radii: far beyond any bone.
+constexpr double kMax_m = 1e3;
 // Largest difference of an element of R R^T from the identity's.
 constexpr double kMaxRotationError = 1e-6;
 // Bytes that an item of each list takes at least; a material's name may be empty.

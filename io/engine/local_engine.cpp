@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 constexpr std::array<char, 8> kMagic{'O', 'S', 'T', 'S', 'H', 'A', 'R', 'E'};
 // Prefix of the folders of all runs.
 constexpr const char* kPrefix = "osteon_engine_";
-// Shared memory is polled: times between two looks for a command (they come once a millisecond), for a frame,
-// and for the engine's state at the end.
+// Shared memory is polled at these intervals: for a command (one comes each millisecond), for a frame, and
+// for the engine's state at the end.
 constexpr rt::Nanoseconds kCommandPoll = 50'000, kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
 // Time between two checks whether the run still lives.
 constexpr rt::Nanoseconds kRunCheck = 100 * rt::kMillisecond;

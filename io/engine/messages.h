@@ -34,7 +34,7 @@ struct EngineHeader {
   std::uint64_t sequence{0};  ///< counts the sender's messages of this kind
 };
 
-/// The tool pose that the tool reaches at the end of a frame.
+/// The pose that the tool reaches at the end of a frame.
 struct EngineCommand {
   simulation::ToolCommand command;
   double dt_s{-1.0};  ///< time in which the bone can give way; negative: the time since the command before

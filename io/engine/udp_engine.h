@@ -145,8 +145,10 @@ class UdpEngineServer final : public EngineServer {
   std::uint16_t port_;
   std::string token_;
   std::optional<sockaddr_in> peer_;
-  rt::Nanoseconds heard_{0};                                        // time of the run's last message
-  std::uint64_t session_{0}, made_{0}, last_command_{0}, sent_{0};  // frames made; other messages sent
+  rt::Nanoseconds heard_{0};                 // time of the run's last message
+  std::uint64_t session_{0};                 // 0: no run
+  std::uint64_t made_{0}, last_command_{0};  // frames made; number of the newest command
+  std::uint64_t sent_{0};                    // messages sent other than frames
   EngineProgress progress_{EngineProgress::kTakesSetup};
   std::optional<BlockReceiver> setup_;
   std::vector<std::uint8_t> carved_;

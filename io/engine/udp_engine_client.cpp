@@ -187,7 +187,7 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
 tl::expected<std::vector<std::uint8_t>, std::string> UdpEngineClient::FetchCarved(rt::Nanoseconds deadline) {
   std::optional<BlockReceiver> carved;
   rt::Nanoseconds asked_at = 0;
-  std::uint64_t questions = 0;  // messages sent here
+  std::uint64_t questions = 0;  // messages that this function has sent
   EngineBytes bytes;
   while (!carved || !carved->complete()) {
     const rt::Nanoseconds now = rt::MonotonicNow();

@@ -9,8 +9,8 @@
 #include "control/tick_record.h"
 #include "simulation/engine/frame_record.h"
 
-// The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and frame_message.cpp
-// include libprotobuf.
+// Encodes and decodes the records of a recording as recording.proto's messages. Only messages.cpp,
+// tick_message.cpp and frame_message.cpp include libprotobuf.
 
 namespace osteon::io {
 
@@ -69,7 +69,7 @@ struct SessionInfo {
   std::optional<PackingRecord> packing{};  ///< absent: as the scene says, or a loaded packing
 };
 
-/// An event worth a line, e.g. a fault.
+/// An event that a reader of the recording should see as a line of text, e.g. a fault.
 struct RecordedEvent {
   rt::Nanoseconds stamp{0};
   std::string text;
