@@ -41,6 +41,7 @@ constexpr double kRatedTorqueTolerance = 0.01;
 // Pause after NMT pre-operational, before the first SDO.
 constexpr rt::Nanoseconds kSettle = 20 * rt::kMillisecond;
 
+// [ns] to [ms], as the drive's objects have it.
 std::uint32_t Milliseconds(rt::Nanoseconds t) { return static_cast<std::uint32_t>(t / rt::kMillisecond); }
 
 }  // namespace
@@ -204,8 +205,8 @@ void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) 
     status_.speed_rad_per_s = status_.torque_Nm = 0.0;
     was_enabled_ = false;
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
-    Restart();  // the boot cleared the configuration
-  } else if (step_ > steps_.size() && operational) {
+    Restart();                                        // the boot cleared the configuration
+  } else if (step_ > steps_.size() && operational) {  // confirms NMT start
     phase_ = DrivePhase::kReady;
     ready_since_ = stamp;
     next_cycle_ = 0;
@@ -236,7 +237,7 @@ void ReamerDrive::HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OST
       params_.direction * GetLittle<std::int32_t>(data + 3) / (kRpmPerRadPerS * params_.gear_ratio);
 
   const bool fault = status_.state == DriveState::kFault || status_.state == DriveState::kFaultReaction;
-  if (!fault) reset_cycles_ = 0;
+  if (!fault) reset_cycles_ = 0;  // the reset has worked
   if (fault && reset_cycles_ == 0) Latch(kDriveInFault);
   const bool enabled = status_.state == DriveState::kEnabled;
   if (was_enabled_ && !enabled && command_.goal == DriveGoal::kEnabled && status_.faults == 0)
@@ -304,6 +305,7 @@ bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     return true;
   }
   if (now < next_cycle_) return false;
+  // late by more than a cycle: count from now on, as missed cycles are not made up for
   next_cycle_ = now - next_cycle_ > params_.cycle ? now + params_.cycle : next_cycle_ + params_.cycle;
   frame = CommandFrame();
   sync_due_ = true;

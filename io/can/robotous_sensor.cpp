@@ -207,7 +207,7 @@ void RobotousSensor::Restart() OSTEON_RT {
 bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed) return false;
   if (step_ == Step::kMeasureRate || step_ == Step::kRunning) {
-    // Missing readings during the measurement of the rate are silence, too.
+    // The measurement of the rate fails if its readings do not come in twice their nominal time.
     if (step_ == Step::kMeasureRate) {
       const rt::Nanoseconds nominal = rt::kSecond / params_.rate_hz * params_.rate_readings;
       if (due_ == 0) due_ = now + 2 * nominal + params_.answer_timeout;
@@ -215,6 +215,7 @@ bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
         Fail(Failure::kRateMeasured,
              rate_count_ > 0 ? rate_count_ / rt::ToSeconds(rate_last_ - rate_since_) : 0.0);
     }
+    // running: the only command left is the bias
     if (bias_ == Bias::kNone || step_ != Step::kRunning) return false;
     frame = {.id = params_.command_id,
              .size = 8,

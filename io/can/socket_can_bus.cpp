@@ -137,9 +137,11 @@ CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& coun
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Whether to deliver the frame; reports of kernel and controller are processed in any case.
+// Reads a message of the socket. True if it is a data frame, now in `arrival`; reports of the kernel and of
+// the CAN controller update the status.
 bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                CanArrival& arrival) OSTEON_RT {
+  // the kernel's count of frames that found no room in the socket's queue
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t dropped = 0;
@@ -158,6 +160,7 @@ bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& mess
     HandleErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
     return false;
   }
+  // a 29-bit identifier, or a remote request
   if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
     ++status_.rejected;
     return false;

@@ -112,7 +112,8 @@ CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) 
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Whether to deliver the frame.
+// Reads a datagram. True if its frame is valid, newer than those before and passes the filters; it is then in
+// `arrival`.
 bool UdpCanBus::AcceptDatagram(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
   UdpCanMessage parsed;
   if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {

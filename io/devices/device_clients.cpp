@@ -111,9 +111,10 @@ bool DeviceClients::UpdateMotionRequest(const control::CellCommands& commands, c
   if (commands.motion_requested && !was_requested_) asked_since_ = now;
   was_requested_ = commands.motion_requested;
   if (!was_requested_) return false;
+  // a granted request does not wait
   if (plc.inputs.run_permitted) asked_since_ = now;
   const rt::Nanoseconds waited = now - asked_since_;
-  if (waited > kGrantTimeout + kWithdrawal) asked_since_ = now;
+  if (waited > kGrantTimeout + kWithdrawal) asked_since_ = now;  // requests again
   return waited <= kGrantTimeout;
 }
 

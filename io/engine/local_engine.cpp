@@ -121,7 +121,7 @@ tl::expected<std::unique_ptr<LocalEngineClient>, std::string> LocalEngineClient:
   return client;
 }
 
-// A new file is all zeros, so members that are not written here begin as zero.
+// A new file is all zeros, so members of SharedEngine that are not written here begin as zero.
 LocalEngineClient::LocalEngineClient(std::filesystem::path folder, int file, SharedEngine* shared)
     : folder_(std::move(folder)),
       file_(file),

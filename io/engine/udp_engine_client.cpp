@@ -125,6 +125,7 @@ std::string UdpEngineClient::Greet() {
     EngineHeader header;
     std::span<const std::uint8_t> content;
     if (!Receive(now + kReceiveSlice, header, content)) continue;
+    // the engine asks for pieces of the set-up
     if (header.kind == EngineMessage::kWant && session_ != 0) {
       if (const auto want = DecodeWant(content); want && want->block == EngineBlock::kSetup)
         AnswerWant(*want, setup_, [&](std::span<const std::uint8_t> piece) {

@@ -13,7 +13,8 @@ namespace {
 constexpr int kMaxAtOnce = 256;        // datagrams read in one call, so that a flood cannot hold it up
 constexpr std::size_t kMaxText = 300;  // longest name or error text in a welcome, in bytes
 
-// Compares two texts. For texts of equal length it takes the same time wherever they differ.
+// Whether two texts are equal. The time does not tell where texts of equal length differ, so a token cannot
+// be guessed byte by byte.
 bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0u : 1u;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)

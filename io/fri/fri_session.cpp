@@ -99,7 +99,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     BeginSession();
     return FriAccept::kAccepted;
   }
-  if (step > 0) {
+  if (step > 0) {  // newer than all before
     const auto ahead = static_cast<std::uint32_t>(step);
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
@@ -107,7 +107,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     if (step >= kWindow) active_ = false;  // the arm may have left COMMANDING_ACTIVE and returned unnoticed
     return FriAccept::kAccepted;
   }
-  if (step > -kWindow) {
+  if (step > -kWindow) {  // older, and still remembered in seen_
     const std::uint64_t bit = std::uint64_t{1} << -step;
     if (seen_ & bit) {
       ++counters_.duplicate;
@@ -128,6 +128,7 @@ void FriSession::BeginSession() OSTEON_RT {
 
 // The arm reflects the newest of this session's answers that it has received.
 void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
+  // which of this session's answers the arm reflects, counted from 0
   const std::uint32_t index = message.reflected_sequence - first_answer_;
   // not an answer of this session: the arm has received none yet, or has received another client's
   if (index >= command_sequence_ - first_answer_) {

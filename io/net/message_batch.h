@@ -47,12 +47,11 @@ class MessageBatch {
       }
       if constexpr (kSender == Sender::kKept) header.msg_namelen = sizeof(sockaddr_in);
     }
-    const int received =
-        recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+    const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
     // the system may also have changed the header of a message that it did not take
-    used_ = received < 0 ? 1 : static_cast<std::size_t>(received) + 1;
+    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;
     if (used_ > kMax) used_ = kMax;
-    return received;
+    return came;
   }
   /// Bytes of message i as received; cut if the room was too small.
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t i) const OSTEON_RT {

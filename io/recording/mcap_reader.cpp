@@ -70,7 +70,7 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
 }
 
 std::vector<McapChunkPlace> McapReader::FindChunks() {
-  constexpr std::uint64_t kTimes = 16;  // first and last time, at the beginning of a chunk
+  constexpr std::uint64_t kTimes = 16;  // bytes of the first and last time, at the beginning of a chunk
   const std::uint64_t start = mcap::kMagic.size();
   std::vector<McapChunkPlace> chunks;
   std::set<std::uint16_t> used;  // channels found so far
@@ -85,7 +85,8 @@ std::vector<McapChunkPlace> McapReader::FindChunks() {
       const auto first = cursor.Int<std::uint64_t>();
       chunks.push_back({.offset = at, .first_ns = first, .last_ns = cursor.Int<std::uint64_t>()});
     }
-    // the indexes that follow a chunk name its channels
+    // A chunk is followed by an index for each of its channels. A channel that is new is described in that
+    // chunk.
     if (opcode == mcap::kMessageIndex && !chunks.empty() && used.insert(cursor.Int<std::uint16_t>()).second)
       ReadChannelsOfChunk(chunks.back().offset);
     at += mcap::kRecordHead + length;
@@ -345,6 +346,7 @@ void McapReader::ReadSummary() {
 
 // Moves from an invalid record to the next sound chunk. False if there is none.
 bool McapReader::SkipToNextChunk(const std::string& reason) {
+  // the file is searched in blocks of 1 MiB, which overlap by a chunk's head
   constexpr std::uint64_t kBlock = 1u << 20, kHead = mcap::kRecordHead + kChunkHead;
   std::string block;
   for (std::uint64_t start = offset_ + 1; size_ - start > kHead; start += kBlock) {

@@ -158,7 +158,7 @@ void Recorder::Write(bool end_chunk) {
       ++event;
     }
   }
-  // an event and the ticks before it must survive a crash
+  // an event and the ticks before it must survive a crash: pass them to the system at once
   if (end_chunk || !events.empty()) writer_.EndChunk();
   writer_.Flush();
 }
