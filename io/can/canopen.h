@@ -10,8 +10,8 @@
 
 namespace osteon::io::canopen {
 
-/// CAN identifiers of CiA 301's predefined connection set. NMT and SYNC address every node; to the others the
-/// node's number is added.
+/// CAN identifiers of CiA 301's predefined connection set. NMT and SYNC have one identifier for all nodes; to
+/// the others the node's number is added.
 inline constexpr std::uint16_t kNmt = 0x000, kSync = 0x080, kEmergency = 0x080, kTpdo1 = 0x180,
                                kRpdo1 = 0x200, kTpdo2 = 0x280, kSdoAnswer = 0x580, kSdoRequest = 0x600,
                                kHeartbeat = 0x700;

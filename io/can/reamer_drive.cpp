@@ -205,8 +205,9 @@ void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) 
     status_.speed_rad_per_s = status_.torque_Nm = 0.0;
     was_enabled_ = false;
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
-    Restart();                                        // the boot cleared the configuration
-  } else if (step_ > steps_.size() && operational) {  // confirms NMT start
+    Restart();  // the boot cleared the configuration
+  } else if (step_ > steps_.size() && operational) {
+    // the drive has followed NMT start
     phase_ = DrivePhase::kReady;
     ready_since_ = stamp;
     next_cycle_ = 0;

@@ -33,7 +33,7 @@ struct FriTime {
   bool operator==(const FriTime&) const = default;
 };
 
-/// A name within the wire's bounds: at most 63 characters, none of them NUL. From the arm it may be any
+/// A name as FRI bounds it: at most 63 characters, none of them NUL. A name from the arm may have any other
 /// bytes.
 class FriName {
  public:

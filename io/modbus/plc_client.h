@@ -99,10 +99,10 @@ class PlcClient {
   std::thread thread_;
 };
 
-/// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts)". Not for
-/// the tick.
+/// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts in
+/// vain, …)". Not for the tick.
 [[nodiscard]] std::string Describe(const PlcClientParams& params, const PlcReading& reading);
-/// One line for a verdict: "not permitted: RUN_PERMITTED (974) is 0".
+/// One line for a verdict: "RUN_PERMITTED (974) is 0: Stop 1".
 [[nodiscard]] const char* Describe(PlcVerdict verdict);
 
 }  // namespace osteon::io
