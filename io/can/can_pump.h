@@ -9,8 +9,9 @@
 
 namespace osteon::io {
 
-/// One device on a bus, seen from its client, without the bus itself: frames in, frames out. A CanPump drives
-/// it in wall time, memory in virtual time. One thread at a time; no allocation.
+/// One device on a bus, seen from its client, without the bus itself: frames in, frames out. In wall time a
+/// CanPump carries its frames; in virtual time they are passed in memory. One thread at a time; no
+/// allocation.
 class CanClient {
  public:
   virtual ~CanClient() = default;
@@ -45,7 +46,8 @@ class CanPump {
   CanBus& bus_;
   std::array<CanClient*, kMaxClients> clients_{};
   std::size_t count_{0};
-  std::array<CanArrival, kMaxReads> arrived_{};  // scratch of a call
+  // scratch of one call of Pump: the frames received and the frames to send
+  std::array<CanArrival, kMaxReads> arrived_{};
   std::array<CanFrame, kMaxClients * kMaxSends> due_{};
 };
 

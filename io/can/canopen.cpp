@@ -5,7 +5,8 @@
 namespace osteon::io::canopen {
 namespace {
 
-std::uint16_t Id(std::uint16_t base, std::uint8_t node) OSTEON_RT {
+// CAN identifier (COB-ID) of a kind of message to or from one node.
+std::uint16_t CobId(std::uint16_t base, std::uint8_t node) OSTEON_RT {
   return static_cast<std::uint16_t>(base + node);
 }
 
@@ -18,11 +19,11 @@ CanFrame Nmt(NmtCommand command, std::uint8_t node) OSTEON_RT {
 CanFrame Sync() OSTEON_RT { return {.id = kSync, .size = 0}; }
 
 CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT {
-  return {.id = Id(kHeartbeat, node), .size = 1, .data = {static_cast<std::uint8_t>(state)}};
+  return {.id = CobId(kHeartbeat, node), .size = 1, .data = {static_cast<std::uint8_t>(state)}};
 }
 
 CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT {
-  CanFrame frame{.id = Id(kSdoRequest, node), .size = 8};
+  CanFrame frame{.id = CobId(kSdoRequest, node), .size = 8};
   // expedited download; bits 2 and 3 count the unused bytes of the value
   frame.data[0] = static_cast<std::uint8_t>(0x23 | (4 - object.size) << 2);
   PutLittle(object.index, &frame.data[1]);
@@ -33,7 +34,7 @@ CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) 
 }
 
 CanFrame SdoRead(std::uint8_t node, const Object& object) OSTEON_RT {
-  CanFrame frame{.id = Id(kSdoRequest, node), .size = 8, .data = {0x40}};
+  CanFrame frame{.id = CobId(kSdoRequest, node), .size = 8, .data = {0x40}};
   PutLittle(object.index, &frame.data[1]);
   frame.data[3] = object.sub;
   return frame;
@@ -50,6 +51,7 @@ std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT {
     answer.value = data;
   } else if ((command & 0xE2) == 0x42) {  // expedited upload: the value is in this frame
     answer.kind = SdoAnswer::Kind::kValue;
+    // bit 0 says that bits 2 and 3 count the unused bytes
     answer.size = (command & 0x01) != 0 ? static_cast<std::uint8_t>(4 - (command >> 2 & 3)) : std::uint8_t{4};
     answer.value = answer.size == 4 ? data : data & ((1u << 8 * answer.size) - 1);
   } else {

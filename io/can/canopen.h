@@ -10,6 +10,8 @@
 
 namespace osteon::io::canopen {
 
+/// CAN identifiers of CiA 301's predefined connection set. NMT and SYNC have one identifier for all nodes; to
+/// the others the node's number is added.
 inline constexpr std::uint16_t kNmt = 0x000, kSync = 0x080, kEmergency = 0x080, kTpdo1 = 0x180,
                                kRpdo1 = 0x200, kTpdo2 = 0x280, kSdoAnswer = 0x580, kSdoRequest = 0x600,
                                kHeartbeat = 0x700;
@@ -25,6 +27,7 @@ enum class NmtState : std::uint8_t {
   kUnknown = 0xFF,
 };
 
+// The frames of an NMT command, of SYNC and of a heartbeat.
 [[nodiscard]] CanFrame Nmt(NmtCommand command, std::uint8_t node) OSTEON_RT;
 [[nodiscard]] CanFrame Sync() OSTEON_RT;
 [[nodiscard]] CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT;
@@ -38,11 +41,11 @@ struct Object {
   friend bool operator==(const Object&, const Object&) = default;
 };
 
-/// Expedited transfers: values of up to 4 bytes in one frame.
+/// Requests to write or read an object by an expedited transfer: a value of up to 4 bytes in one frame.
 [[nodiscard]] CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT;
 [[nodiscard]] CanFrame SdoRead(std::uint8_t node, const Object& object) OSTEON_RT;
 
-/// A server's answer.
+/// The drive's answer to an SDO request.
 struct SdoAnswer {
   enum class Kind : std::uint8_t { kWritten, kValue, kAbort };
   Kind kind{Kind::kAbort};
@@ -58,7 +61,7 @@ struct SdoAnswer {
 /// Text of an abort code; not for the tick.
 [[nodiscard]] const char* DescribeAbort(std::uint32_t code);
 
-/// A PDO's mapping entry: index, sub-index, bits.
+/// The entry that maps an object into a PDO: its index, sub-index and length in bits.
 [[nodiscard]] constexpr std::uint32_t Mapped(const Object& object) OSTEON_RT {
   return std::uint32_t{object.index} << 16 | std::uint32_t{object.sub} << 8 | object.size * 8u;
 }

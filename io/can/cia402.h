@@ -28,6 +28,7 @@ enum class DriveGoal : std::uint8_t {
   kQuickStop,  ///< braked to rest along its quick-stop ramp, then held there
 };
 
+/// Controlwords.
 inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlShutdown = 0x06,
                                kControlSwitchOn = 0x07, kControlEnable = 0x0F, kControlQuickStop = 0x02,
                                kControlFaultReset = 0x80;
@@ -38,7 +39,7 @@ inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlShutdown =
 /// The controlword that leads from `state` one step toward `goal`:
 ///
 ///     to enabled      disabled ─06─▶ ready ─07─▶ switched on ─0F─▶ enabled
-///     to quick stop   enabled ─02─▶ quick stop; from below enabled there is nothing to stop: off
+///     to quick stop   enabled ─02─▶ quick stop; a drive that is not enabled is switched off (00)
 ///     to off          00, from anywhere
 ///
 /// Quick stop is left through off only, so a stopped drive never turns by itself. A fault needs its reset

@@ -89,8 +89,9 @@ constexpr std::array kClasses{
     CodeText{0xFF, "the maker's own"},
 };
 
+// The text of a code in a table; null if the table does not have the code.
 template <std::size_t N>
-const char* Find(const std::array<CodeText, N>& table, unsigned code) {
+const char* FindText(const std::array<CodeText, N>& table, unsigned code) {
   const auto found = std::ranges::find_if(table, [&](const CodeText& row) { return row.code == code; });
   return found == table.end() ? nullptr : found->text;
 }
@@ -120,28 +121,31 @@ std::string CodeWithText(std::uint16_t code) {
 
 const char* DescribeErrorCode(std::uint16_t code) {
   if (code == 0) return "no error";
-  if (const char* text = Find(kCodes, code)) return text;
-  if (const char* text = Find(kClasses, code >> 8u)) return text;
-  if (const char* text = Find(kClasses, code >> 8u & 0xF0u)) return text;
+  if (const char* text = FindText(kCodes, code)) return text;
+  if (const char* text = FindText(kClasses, code >> 8u)) return text;
+  if (const char* text = FindText(kClasses, code >> 8u & 0xF0u)) return text;
   return code >> 12u == 1u ? "generic error" : "of no class of CiA 301";
 }
 
 std::string DescribeDriveFaults(const DriveFaultReport& report) {
   std::string text;
-  const auto say = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
-  const auto latched = [&](DriveFault fault, int bit, const std::string& what) {
-    if ((report.faults & fault) != 0) say(fmt::format("{} (bit {})", what, bit));
+  // appends one phrase
+  const auto append_phrase = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  // appends a fault if its bit is set
+  const auto append_if_latched = [&](DriveFault fault, int bit, const std::string& what) {
+    if ((report.faults & fault) != 0) append_phrase(fmt::format("{} (bit {})", what, bit));
   };
-  latched(kDriveHeartbeatLost, 0, "heartbeat lost: none came in time");
-  latched(kDriveStatusLost, 1, "status lost: its PDOs do not come any more");
-  latched(kDriveEmergency, 2, "EMCY " + CodeWithText(report.emergency_code));
-  latched(kDriveInFault, 3, "in fault by its statusword");
-  latched(kDriveRestarted, 4, "boot-up message (NMT state 0x00): its configuration is gone");
-  latched(kDriveLeftEnabled, 5, "left operation enabled by itself");
-  latched(kDriveLeftOperational, 6, "left OPERATIONAL: its heartbeat says " + NmtText(report.nmt_state));
+  append_if_latched(kDriveHeartbeatLost, 0, "heartbeat lost: none came in time");
+  append_if_latched(kDriveStatusLost, 1, "status lost: its PDOs do not come any more");
+  append_if_latched(kDriveEmergency, 2, "EMCY " + CodeWithText(report.emergency_code));
+  append_if_latched(kDriveInFault, 3, "in fault by its statusword");
+  append_if_latched(kDriveRestarted, 4, "boot-up message (NMT state 0x00): its configuration is gone");
+  append_if_latched(kDriveLeftEnabled, 5, "left operation enabled by itself");
+  append_if_latched(kDriveLeftOperational, 6,
+                    "left OPERATIONAL: its heartbeat says " + NmtText(report.nmt_state));
   if ((report.faults & kDriveEmergency) == 0 && report.emergency_code != 0)
-    say("last EMCY " + CodeWithText(report.emergency_code));
-  if (report.error_code != 0) say("603F " + CodeWithText(report.error_code));
+    append_phrase("last EMCY " + CodeWithText(report.emergency_code));
+  if (report.error_code != 0) append_phrase("603F " + CodeWithText(report.error_code));
   return text;
 }
 

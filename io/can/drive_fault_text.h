@@ -16,7 +16,7 @@ struct DriveFaultReport {
 };
 
 /// Meaning of an error code of an EMCY or of object 603F, e.g. "under-voltage of the DC link": from CiA 402's
-/// list if it is there, otherwise by its class of CiA 301. Not for the tick.
+/// list if the code is in it, otherwise the text of its class in CiA 301. Not for the tick.
 [[nodiscard]] const char* DescribeErrorCode(std::uint16_t code);
 
 /// Each latched fault by its name and number, then the codes present, e.g. "EMCY 0x4310 (excess temperature

@@ -8,7 +8,7 @@ namespace osteon::io {
 namespace {
 
 // Describes a claim in an error: its identifiers, device and purpose.
-std::string Text(const IdClaim& claim) {
+std::string ClaimText(const IdClaim& claim) {
   const std::string ids =
       claim.first == claim.last ? IdText(claim.first) : IdText(claim.first) + " … " + IdText(claim.last);
   return fmt::format("{} of the {} ({})", ids, claim.device, claim.purpose);
@@ -53,12 +53,12 @@ std::vector<IdClaim> Claims(const ReamerDriveParams& params) {
 }
 
 std::optional<std::string> FindOverlap(std::span<const IdClaim> claims) {
-  for (std::size_t a = 0; a < claims.size(); ++a) {
-    for (std::size_t b = a + 1; b < claims.size(); ++b) {
-      const IdClaim &x = claims[a], &y = claims[b];
-      if (x.device == y.device || x.first > y.last || y.first > x.last) continue;
-      return fmt::format("CAN ids overlap: {} and {}; {}, {}, or use a bus for each", Text(x), Text(y),
-                         x.advice, y.advice);
+  for (std::size_t i = 0; i < claims.size(); ++i) {
+    for (std::size_t j = i + 1; j < claims.size(); ++j) {
+      const IdClaim &one = claims[i], &other = claims[j];
+      if (one.device == other.device || one.first > other.last || other.first > one.last) continue;
+      return fmt::format("CAN ids overlap: {} and {}; {}, {}, or use a bus for each", ClaimText(one),
+                         ClaimText(other), one.advice, other.advice);
     }
   }
   return std::nullopt;

@@ -20,6 +20,7 @@ struct IdClaim {
   std::string advice{};  ///< what to do on a conflict
 };
 
+/// All identifiers that a device with these parameters uses.
 [[nodiscard]] std::vector<IdClaim> Claims(const RobotousParams& params);
 [[nodiscard]] std::vector<IdClaim> Claims(const AtiParams& params);
 [[nodiscard]] std::vector<IdClaim> Claims(const ReamerDriveParams& params);

@@ -18,9 +18,9 @@ struct PairJoinerParams {
   rt::Nanoseconds window{rt::kMillisecond / 2};
 };
 
-/// Joins halves that carry no number of their own. A first half waits for its second one. It is dropped when
-/// another first half comes, when the transport reports lost frames (after_gap), or when the second half
-/// comes too late. A second half without a waiting first one is dropped.
+/// Joins the two frames of a sensor's message, its halves, which carry no sequence number. A first half waits
+/// for its second one. It is dropped when another first half comes, when the transport reports lost frames
+/// (after_gap), or when the second half comes too late. A second half without a waiting first one is dropped.
 class PairJoiner {
  public:
   enum class Result : std::uint8_t {
@@ -31,6 +31,7 @@ class PairJoiner {
 
   explicit PairJoiner(const PairJoinerParams& params) : params_(params) {}
 
+  /// Takes a frame of the bus. The bytes of a pair are complete if the result is kJoined.
   Result Add(const CanArrival& arrival) OSTEON_RT {
     const bool first = arrival.frame.id == params_.first_id, second = arrival.frame.id == params_.second_id;
     if (arrival.after_gap) GiveUp();
@@ -59,7 +60,7 @@ class PairJoiner {
     return Result::kJoined;
   }
 
-  /// Drops the half that waits; it is counted.
+  /// Drops a first half that waits for its second one, and counts it in halves().
   void GiveUp() OSTEON_RT {
     halves_ += waiting_ ? 1 : 0;
     waiting_ = false;
@@ -67,7 +68,8 @@ class PairJoiner {
 
   [[nodiscard]] const std::array<std::uint8_t, 16>& bytes() const OSTEON_RT { return bytes_; }
   [[nodiscard]] rt::Nanoseconds stamp() const OSTEON_RT { return stamp_; }
-  [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }  ///< without their other half
+  /// Number of halves that were dropped without their other half.
+  [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }
   [[nodiscard]] std::uint64_t malformed() const OSTEON_RT { return malformed_; }  ///< frames of a wrong size
 
  private:

@@ -15,27 +15,33 @@ using canopen::NmtCommand;
 using canopen::NmtState;
 using canopen::Object;
 
+// Objects of CiA 301: index, sub-index, bytes.
 constexpr Object kDeviceType{0x1000, 0, 4}, kConsumedHeartbeat{0x1016, 1, 4},
     kProducedHeartbeat{0x1017, 0, 2};
+// Objects of CiA 402.
 constexpr Object kAbortConnection{0x6007, 0, 2}, kControlword{0x6040, 0, 2}, kStatusword{0x6041, 0, 2},
     kQuickStopOption{0x605A, 0, 2}, kFaultReactionOption{0x605E, 0, 2}, kMode{0x6060, 0, 1},
     kModeShown{0x6061, 0, 1}, kVelocity{0x606C, 0, 4}, kRatedTorque{0x6076, 0, 4}, kTorque{0x6077, 0, 2},
     kErrorCode{0x603F, 0, 2}, kAcceleration{0x6083, 0, 4}, kDeceleration{0x6084, 0, 4},
     kQuickStopDeceleration{0x6085, 0, 4}, kTargetVelocity{0x60FF, 0, 4};
 
-constexpr std::uint32_t kDriveProfile = 402;
+// Values of these objects.
+constexpr std::uint32_t kDriveProfile = 402;   // 1000: low word of a CiA 402 drive's device type
 constexpr std::uint32_t kStopAndStay = 6;      // 605A: brake along the quick-stop ramp, then stay in quick
                                                // stop
 constexpr std::uint32_t kQuickStopRamp = 2;    // 605E: brake along the quick-stop ramp
 constexpr std::uint32_t kFaultOnLoss = 1;      // 6007: a lost connection is a fault
 constexpr std::uint32_t kPdoOff = 0x80000000;  // bit in a PDO's identifier (COB-ID) that switches the PDO off
 constexpr std::uint32_t kAtSync = 1;           // a PDO's transmission type: every SYNC
-constexpr int kResetCycles =
-    12;  // controlwords sent for a fault reset: one with bit 7 low, then with it high
+// Controlwords sent for a fault reset: one with bit 7 low, then the rest with it high.
+constexpr int kResetCycles = 12;
 constexpr double kRpmPerRadPerS = 60.0 / (2.0 * std::numbers::pi);
+// Largest difference of the drive's rated torque from the parameter, as a share of the latter.
 constexpr double kRatedTorqueTolerance = 0.01;
+// Pause after NMT pre-operational, before the first SDO.
 constexpr rt::Nanoseconds kSettle = 20 * rt::kMillisecond;
 
+// [ns] to [ms], as the drive's objects have it.
 std::uint32_t Milliseconds(rt::Nanoseconds t) { return static_cast<std::uint32_t>(t / rt::kMillisecond); }
 
 }  // namespace
@@ -82,12 +88,15 @@ tl::expected<ReamerDrive, std::string> ReamerDrive::Make(const ReamerDriveParams
 }
 
 ReamerDrive::ReamerDrive(const ReamerDriveParams& p) : params_(p) {
+  // adds a step that reads an object and compares it (Step::mask)
   const auto read = [this](const Object& object, std::uint32_t value, std::uint32_t mask) {
     steps_.push_back({Step::Kind::kRead, object, value, mask});
   };
+  // adds a step that writes an object
   const auto write = [this](const Object& object, std::uint32_t value) {
     steps_.push_back({Step::Kind::kWrite, object, value, 0});
   };
+  // adds the steps that map objects into a PDO: switch it off, list its objects, switch it on
   const auto map = [&](std::uint16_t communication, std::uint16_t mapping, std::uint32_t id,
                        std::initializer_list<Object> objects) {
     const Object identifier{communication, 1, 4}, count{mapping, 0, 1};
@@ -99,6 +108,7 @@ ReamerDrive::ReamerDrive(const ReamerDriveParams& p) : params_(p) {
     write({communication, 2, 1}, kAtSync);
     write(identifier, id);
   };
+  // [rad/s²] of the tool to [rpm/s] of the motor
   const auto ramp = [&p](double rad_per_s2) {
     return static_cast<std::uint32_t>(std::lround(rad_per_s2 * p.gear_ratio * kRpmPerRadPerS));
   };
@@ -163,14 +173,14 @@ void ReamerDrive::HandleSdo(const CanFrame& frame) OSTEON_RT {
   if (phase_ != DrivePhase::kStarting || step_ >= steps_.size() || attempts_ == 0) return;
   const Step& step = steps_[step_];
   if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // answers an old attempt
-  if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Wrong::kAborted, answer->value);
+  if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Failure::kAborted, answer->value);
   if ((step.kind == Step::Kind::kRead) != (answer->kind == canopen::SdoAnswer::Kind::kValue)) return;
   if (step.kind == Step::Kind::kRead) {
-    const bool right = step.mask != 0
-                           ? (answer->value & step.mask) == step.value
-                           : std::abs(static_cast<double>(answer->value) - static_cast<double>(step.value)) <=
-                                 kRatedTorqueTolerance * static_cast<double>(step.value);
-    if (!right) return Fail(Wrong::kValue, answer->value);
+    const bool accepted =
+        step.mask != 0 ? (answer->value & step.mask) == step.value
+                       : std::abs(static_cast<double>(answer->value) - static_cast<double>(step.value)) <=
+                             kRatedTorqueTolerance * static_cast<double>(step.value);
+    if (!accepted) return Fail(Failure::kValue, answer->value);
   }
   ++step_;
   attempts_ = 0;
@@ -197,6 +207,7 @@ void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) 
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
     Restart();  // the boot cleared the configuration
   } else if (step_ > steps_.size() && operational) {
+    // the drive has followed NMT start
     phase_ = DrivePhase::kReady;
     ready_since_ = stamp;
     next_cycle_ = 0;
@@ -227,7 +238,7 @@ void ReamerDrive::HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OST
       params_.direction * GetLittle<std::int32_t>(data + 3) / (kRpmPerRadPerS * params_.gear_ratio);
 
   const bool fault = status_.state == DriveState::kFault || status_.state == DriveState::kFaultReaction;
-  if (!fault) reset_cycles_ = 0;
+  if (!fault) reset_cycles_ = 0;  // the reset has worked
   if (fault && reset_cycles_ == 0) Latch(kDriveInFault);
   const bool enabled = status_.state == DriveState::kEnabled;
   if (was_enabled_ && !enabled && command_.goal == DriveGoal::kEnabled && status_.faults == 0)
@@ -245,7 +256,7 @@ bool ReamerDrive::StatusIsLost(rt::Nanoseconds now) const OSTEON_RT {
   return now - std::max(status_.stamp, ready_since_) > params_.cycle * params_.missed_cycles;
 }
 
-void ReamerDrive::Watch(rt::Nanoseconds now) OSTEON_RT {
+void ReamerDrive::LatchTimeouts(rt::Nanoseconds now) OSTEON_RT {
   if (HeartbeatIsLost(now)) Latch(kDriveHeartbeatLost);
   if (StatusIsLost(now)) Latch(kDriveStatusLost);
 }
@@ -267,14 +278,14 @@ void ReamerDrive::Restart() OSTEON_RT {
   quiet_ = false;
   attempts_ = 0;
   due_ = 0;
-  wrong_ = Wrong::kNothing;
+  wrong_ = Failure::kNothing;
   was_enabled_ = false;
   set_up_lost_ = false;
   reset_cycles_ = 0;
   sync_due_ = false;
 }
 
-void ReamerDrive::Fail(Wrong wrong, std::uint32_t found) OSTEON_RT {
+void ReamerDrive::Fail(Failure wrong, std::uint32_t found) OSTEON_RT {
   wrong_ = wrong;
   found_ = found;
   phase_ = DrivePhase::kFailed;
@@ -287,21 +298,22 @@ bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     frame = canopen::Heartbeat(params_.master_node, NmtState::kOperational);
     return true;
   }
-  if (phase_ == DrivePhase::kStarting) return NextOfSetUp(now, frame);
-  Watch(now);
+  if (phase_ == DrivePhase::kStarting) return NextSetUpFrame(now, frame);
+  LatchTimeouts(now);
   if (sync_due_) {
     sync_due_ = false;
     frame = canopen::Sync();
     return true;
   }
   if (now < next_cycle_) return false;
+  // late by more than a cycle: count from now on, as missed cycles are not made up for
   next_cycle_ = now - next_cycle_ > params_.cycle ? now + params_.cycle : next_cycle_ + params_.cycle;
   frame = CommandFrame();
   sync_due_ = true;
   return true;
 }
 
-bool ReamerDrive::NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
+bool ReamerDrive::NextSetUpFrame(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (now < due_) return false;
   if (!quiet_) {
     quiet_ = true;
@@ -310,7 +322,7 @@ bool ReamerDrive::NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     return true;
   }
   if (attempts_ == params_.attempts) {
-    Fail(step_ < steps_.size() ? Wrong::kSilent : Wrong::kNotStarted, 0);
+    Fail(step_ < steps_.size() ? Failure::kSilent : Failure::kNotStarted, 0);
     return false;
   }
   ++attempts_;
@@ -334,6 +346,7 @@ std::uint16_t ReamerDrive::Controlword() OSTEON_RT {
     --reset_cycles_;
     return low ? kControlDisableVoltage : kControlFaultReset;
   }
+  // a latched fault turns every goal but kOff into a quick stop
   return ControlToward(status_.faults == 0                ? command_.goal
                        : command_.goal == DriveGoal::kOff ? DriveGoal::kOff
                                                           : DriveGoal::kQuickStop,
@@ -360,26 +373,26 @@ std::string ReamerDrive::failure() const {
   const Step& step = steps_[std::min(step_, steps_.size() - 1)];
   const std::string object = fmt::format("object {:04X}:{:02X}", step.object.index, step.object.sub);
   switch (wrong_) {
-    case Wrong::kNothing:
+    case Failure::kNothing:
       break;
-    case Wrong::kSilent:
+    case Failure::kSilent:
       return place + fmt::format(
                          "no answer about {} in {} attempts; check its supply, the wiring, the bit rate "
                          "(1 Mbit/s) and its node number",
                          object, params_.attempts);
-    case Wrong::kAborted:
+    case Failure::kAborted:
       return place +
              fmt::format("{} {} with 0x{:08X} ({})", object,
                          step.kind == Step::Kind::kRead ? "cannot be read: aborted" : "refused: aborted",
                          found_, canopen::DescribeAbort(found_));
-    case Wrong::kValue:
+    case Failure::kValue:
       if (step.mask == 0)
         return place +
                fmt::format("its rated torque ({}) is {} mN·m, accepted {} mN·m within 1 % (rated_torque_Nm)",
                            object, found_, step.value);
       return place + fmt::format("its device type ({}) is 0x{:08X}, accepted: profile {}", object, found_,
                                  step.value);
-    case Wrong::kNotStarted:
+    case Failure::kNotStarted:
       return place + "configured, but its heartbeat never says operational";
   }
   return place + "failed";

@@ -80,8 +80,8 @@ struct DriveStatus {
 ///     TPDO1  statusword u16, mode i8, velocity i32 (motor rpm)              after each SYNC
 ///     TPDO2  torque i16 (per mille of rated), error u16, temperature i16    after each SYNC
 ///
-/// Then each `cycle` sends RPDO1 and SYNC. Both sides watch the other's heartbeat. A silent drive is a
-/// latched fault here. If we are silent, the drive faults and stops along its quick-stop ramp.
+/// Afterwards RPDO1 and SYNC are sent once per `cycle`. Both sides watch the other's heartbeat. A silent
+/// drive is a latched fault here. If we are silent, the drive faults and stops along its quick-stop ramp.
 ///
 /// Any fault changes the goal to kOff (kQuickStop if the drive can still be reached and turns) until
 /// ResetFaults(): the drive never starts by itself. A fault of the drive itself is then reset by a rising
@@ -98,16 +98,16 @@ class ReamerDrive final : public CanClient {
 
   void Command(const DriveCommand& command) OSTEON_RT {
     command_ = command;
-    // A drive that is told to leave, and then to come back before its status arrives, did not leave by
-    // itself.
+    // A drive that is told to leave "operation enabled" did not leave it by itself, even if it is enabled
+    // again before its next status arrives.
     if (command.goal != DriveGoal::kEnabled) was_enabled_ = false;
   }
   [[nodiscard]] const DriveStatus& status() const OSTEON_RT { return status_; }
   [[nodiscard]] DrivePhase phase() const OSTEON_RT { return phase_; }
 
   /// Clears latched faults, and resets a fault of the drive; configures the drive again if it has booted or
-  /// left OPERATIONAL. The command must be kOff, as with any other the drive would start by itself. Otherwise
-  /// returns false and does nothing.
+  /// left OPERATIONAL. Returns false and does nothing unless the command is kOff: with any other the drive
+  /// would start by itself. Also false during a fault reaction.
   bool ResetFaults() OSTEON_RT;
 
   /// Whether a reset can reach the drive: heartbeat and status come, or it has just booted.
@@ -127,7 +127,7 @@ class ReamerDrive final : public CanClient {
   /// Whether the phase is kFailed because the drive never answered or never became operational: it may not be
   /// switched on yet.
   [[nodiscard]] bool silent() const OSTEON_RT {
-    return phase_ == DrivePhase::kFailed && (wrong_ == Wrong::kSilent || wrong_ == Wrong::kNotStarted);
+    return phase_ == DrivePhase::kFailed && (wrong_ == Failure::kSilent || wrong_ == Failure::kNotStarted);
   }
   /// Why the drive was refused. Empty unless kFailed. Not for the tick.
   [[nodiscard]] std::string failure() const;
@@ -137,45 +137,53 @@ class ReamerDrive final : public CanClient {
   }  ///< frames of a wrong size or content
 
  private:
+  // One SDO of the set-up.
   struct Step {
     enum class Kind : std::uint8_t { kRead, kWrite } kind;
     canopen::Object object;
     std::uint32_t value;  // to write, or expected when read
     std::uint32_t mask;   // for the value read; 0: the rated torque
   };
-  enum class Wrong : std::uint8_t { kNothing, kSilent, kAborted, kValue, kNotStarted };
+  enum class Failure : std::uint8_t { kNothing, kSilent, kAborted, kValue, kNotStarted };
 
   explicit ReamerDrive(const ReamerDriveParams& params);
+  // Checks the answer to the present step, and goes on to the next step.
   void HandleSdo(const CanFrame& frame) OSTEON_RT;
   void HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
+  // Reads TPDO1 or TPDO2.
   void HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OSTEON_RT;
-  void Watch(rt::Nanoseconds now) OSTEON_RT;
+  // Latches a lost heartbeat and missing status PDOs.
+  void LatchTimeouts(rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] bool HeartbeatIsLost(rt::Nanoseconds now) const OSTEON_RT;
   [[nodiscard]] bool StatusIsLost(rt::Nanoseconds now) const OSTEON_RT;
   void Latch(DriveFault fault) OSTEON_RT;
-  bool NextOfSetUp(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT;
+  // Next() while the phase is kStarting.
+  bool NextSetUpFrame(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT;
+  // RPDO1 with the controlword, mode and target velocity.
   [[nodiscard]] CanFrame CommandFrame() OSTEON_RT;
   [[nodiscard]] std::uint16_t Controlword() OSTEON_RT;
-  void Fail(Wrong wrong, std::uint32_t found) OSTEON_RT;
+  // @param found  the value read or the abort code, for failure()
+  void Fail(Failure wrong, std::uint32_t found) OSTEON_RT;
 
   ReamerDriveParams params_;
   std::vector<Step> steps_;  // filled once
   DrivePhase phase_{DrivePhase::kStarting};
-  std::size_t step_{0};
-  bool quiet_{false};  // NMT pre-operational was sent
-  int attempts_{0};
-  rt::Nanoseconds due_{0};
-  Wrong wrong_{Wrong::kNothing};
+  std::size_t step_{0};     // of steps_; its size: NMT start is due; one more: NMT start was sent
+  bool quiet_{false};       // NMT pre-operational was sent
+  int attempts_{0};         // of the present step
+  rt::Nanoseconds due_{0};  // time of the next frame of the set-up
+  Failure wrong_{Failure::kNothing};
   std::uint32_t found_{0};
 
   DriveCommand command_;
   DriveStatus status_;
-  bool was_enabled_{false};
+  bool was_enabled_{false};  // in the last status, and commanded to be
   bool set_up_lost_{false};  // the drive booted, or left OPERATIONAL
   int reset_cycles_{0};      // controlwords of a fault reset still to send
   bool sync_due_{false};
   rt::Nanoseconds next_cycle_{0}, next_heartbeat_{0};
-  rt::Nanoseconds heard_{0}, ready_since_{0};
+  rt::Nanoseconds heard_{0};  // time of the last heartbeat
+  rt::Nanoseconds ready_since_{0};
   std::uint64_t rejected_{0};
 };
 

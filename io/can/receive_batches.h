@@ -17,11 +17,13 @@ enum class EmptyReceive : std::uint8_t {
   kReport,   ///< report about an earlier frame: another message may wait
 };
 
-/// CanBus::ReceiveAll over a batch: as few system calls as the room allows, in the order of arrival.
+/// CanBus::ReceiveAll for a MessageBatch: receives frames in their order of arrival until `room` is full or
+/// nothing waits, several by each system call.
 /// @param max_skipped  largest number of messages skipped in one call because they are not deliverable
 ///   frames
-/// @param classify  () → EmptyReceive, by errno
-/// @param deliver  (message, CanArrival&) → whether it is delivered
+/// @param count  set to the number of frames delivered into `room`
+/// @param classify  () → EmptyReceive: why a call received nothing, by errno
+/// @param deliver  (index in the batch, CanArrival&) → whether that message is a frame to deliver
 template <class Batch, class Classify, class Deliver>
 CanResult ReceiveBatches(Batch& batch, int socket, std::size_t max_skipped, std::span<CanArrival> room,
                          std::size_t& count, const Classify& classify, const Deliver& deliver) OSTEON_RT {
@@ -41,7 +43,7 @@ CanResult ReceiveBatches(Batch& batch, int socket, std::size_t max_skipped, std:
     left -= came;
     for (std::size_t i = 0; i < came; ++i)
       if (deliver(i, room[count])) ++count;
-    if (came < asked) break;  // nothing more waits
+    if (came < asked) break;  // nothing else waits
   }
   return count > 0 ? CanResult::kOk : CanResult::kEmpty;
 }

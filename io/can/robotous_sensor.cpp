@@ -10,6 +10,7 @@
 namespace osteon::io {
 namespace {
 
+// First byte of a command and of its answer.
 enum Code : std::uint8_t {
   kSetFilter = 0x08,
   kReadFilter = 0x09,
@@ -20,6 +21,7 @@ enum Code : std::uint8_t {
   kSetBias = 0x11,
 };
 
+// A rate or cut-off frequency, and the sensor's code for it.
 struct Choice {
   int hz;
   std::uint8_t code;
@@ -42,20 +44,23 @@ constexpr std::array<Choice, 15> kFilters{{{0, 0},
                                            {300, 13},
                                            {500, 14}}};
 
+// Null if the sensor does not offer this frequency.
 template <std::size_t N>
-const Choice* Find(const std::array<Choice, N>& choices, int hz) {
+const Choice* FindChoice(const std::array<Choice, N>& choices, int hz) {
   const auto* const found =
       std::find_if(choices.begin(), choices.end(), [hz](const Choice& c) { return c.hz == hz; });
   return found == choices.end() ? nullptr : found;
 }
 
+// Lists the frequencies for an error: "10, 20, …".
 template <std::size_t N>
-std::string Accepted(const std::array<Choice, N>& choices) {
+std::string AcceptedHz(const std::array<Choice, N>& choices) {
   std::string text;
   for (const Choice& choice : choices) text += fmt::format("{}{}", text.empty() ? "" : ", ", choice.hz);
   return text;
 }
 
+// Meaning of the error number in the answer to a set command.
 const char* ErrorText(int code) {
   switch (code) {
     case 1:
@@ -69,9 +74,9 @@ const char* ErrorText(int code) {
   }
 }
 
-// Accepted range of the measured period, as shares of the nominal one. Outside it the sensor sends at another
-// rate: the next lower rate has at least twice the period.
-constexpr double kSlowest = 1.5, kFastest = 0.6;
+// Accepted range of measured period / nominal period. Outside it the sensor sends at another rate: the next
+// lower rate has at least twice the period.
+constexpr double kMaxPeriodRatio = 1.5, kMinPeriodRatio = 0.6;
 
 }  // namespace
 
@@ -84,11 +89,11 @@ tl::expected<RobotousSensor, std::string> RobotousSensor::Make(const RobotousPar
     return refuse(fmt::format(
         "ids: found command 0x{:03X}, answers 0x{:03X} and 0x{:03X}; accepted: three different ones",
         params.command_id, params.first_id, params.second_id));
-  if (Find(kRates, params.rate_hz) == nullptr)
-    return refuse(fmt::format("rate_hz: found {}, accepted {}", params.rate_hz, Accepted(kRates)));
-  if (Find(kFilters, params.filter_hz) == nullptr)
+  if (FindChoice(kRates, params.rate_hz) == nullptr)
+    return refuse(fmt::format("rate_hz: found {}, accepted {}", params.rate_hz, AcceptedHz(kRates)));
+  if (FindChoice(kFilters, params.filter_hz) == nullptr)
     return refuse(
-        fmt::format("filter_hz: found {}, accepted {} (0: off)", params.filter_hz, Accepted(kFilters)));
+        fmt::format("filter_hz: found {}, accepted {} (0: off)", params.filter_hz, AcceptedHz(kFilters)));
   if (!(params.counts_per_N > 0.0) || !(params.counts_per_Nm > 0.0) || !std::isfinite(params.counts_per_N) ||
       !std::isfinite(params.counts_per_Nm))
     return refuse(fmt::format("counts: found {} a N and {} a N·m, accepted: more than 0", params.counts_per_N,
@@ -104,8 +109,8 @@ tl::expected<RobotousSensor, std::string> RobotousSensor::Make(const RobotousPar
 
 RobotousSensor::RobotousSensor(const RobotousParams& params)
     : params_(params),
-      rate_code_(Find(kRates, params.rate_hz)->code),
-      filter_code_(Find(kFilters, params.filter_hz)->code),
+      rate_code_(FindChoice(kRates, params.rate_hz)->code),
+      filter_code_(FindChoice(kFilters, params.filter_hz)->code),
       joiner_({.first_id = params.first_id,
                .second_id = params.second_id,
                .window = rt::kSecond / (2 * params.rate_hz)}) {}
@@ -121,23 +126,24 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
     if (step_ == Step::kStart && attempts_ == 0) return;  // not requested yet
     HandleReading(bytes, joiner_.stamp());
   } else {
-    Answer(bytes);
+    HandleAnswer(bytes);
   }
 }
 
-void RobotousSensor::Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT {
-  // Readings from before "stop" still arrive for a while.
+void RobotousSensor::HandleAnswer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT {
+  // An answer is expected only after its command was sent. Readings from before "stop" still arrive for a
+  // while, and count as unexpected.
   const Step step = attempts_ > 0 ? step_ : Step::kStop;
   if (step == Step::kSetFilter && bytes[0] == kSetFilter) {
-    if (bytes[2] != 0) return Fail(Wrong::kRefused, bytes[2]);
+    if (bytes[2] != 0) return Fail(Failure::kRefused, bytes[2]);
   } else if (step == Step::kReadFilter && bytes[0] == kReadFilter) {
     const bool off = filter_code_ == 0;
     if (bytes[1] != (off ? 0 : 1) || (!off && bytes[2] != filter_code_))
-      return Fail(Wrong::kFilter, bytes[2]);
+      return Fail(Failure::kFilter, bytes[2]);
   } else if (step == Step::kSetRate && bytes[0] == kSetRate) {
-    if (bytes[2] != 0) return Fail(Wrong::kRefused, bytes[2]);
+    if (bytes[2] != 0) return Fail(Failure::kRefused, bytes[2]);
   } else if (step == Step::kReadRate && bytes[0] == kReadRate) {
-    if (bytes[1] != rate_code_) return Fail(Wrong::kRateCode, bytes[1]);
+    if (bytes[1] != rate_code_) return Fail(Failure::kRateCode, bytes[1]);
   } else {
     ++unexpected_;
     return;
@@ -156,6 +162,7 @@ void RobotousSensor::HandleReading(const std::array<std::uint8_t, 16>& bytes,
   }
   if (step_ != Step::kRunning) return;
 
+  // force [N] or torque [N·m] of an axis
   const auto value = [&](std::size_t axis, double counts) {
     return GetBig<std::int16_t>(bytes.data() + 1 + 2 * axis) / counts;
   };
@@ -174,7 +181,7 @@ void RobotousSensor::MeasureRate(rt::Nanoseconds stamp) OSTEON_RT {
   if (++rate_count_ < params_.rate_readings) return;
   const double period_s = rt::ToSeconds(stamp - rate_since_) / rate_count_;
   const double ratio = period_s * params_.rate_hz;
-  if (ratio > kSlowest || ratio < kFastest) return Fail(Wrong::kRateMeasured, 1.0 / period_s);
+  if (ratio > kMaxPeriodRatio || ratio < kMinPeriodRatio) return Fail(Failure::kRateMeasured, 1.0 / period_s);
   Advance();
 }
 
@@ -185,7 +192,7 @@ void RobotousSensor::Advance() OSTEON_RT {
   if (step_ == Step::kRunning) phase_ = SensorPhase::kReady;
 }
 
-void RobotousSensor::Fail(Wrong wrong, double found) OSTEON_RT {
+void RobotousSensor::Fail(Failure wrong, double found) OSTEON_RT {
   wrong_ = wrong;
   wrong_step_ = step_;
   found_ = found;
@@ -197,21 +204,22 @@ void RobotousSensor::Restart() OSTEON_RT {
   step_ = Step::kStop;
   attempts_ = 0;
   due_ = 0;
-  wrong_ = Wrong::kNothing;
+  wrong_ = Failure::kNothing;
   joiner_.GiveUp();
 }
 
 bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed) return false;
   if (step_ == Step::kMeasureRate || step_ == Step::kRunning) {
-    // Missing readings during the measurement of the rate are silence, too.
+    // The measurement of the rate fails if its readings do not come in twice their nominal time.
     if (step_ == Step::kMeasureRate) {
-      const rt::Nanoseconds whole = rt::kSecond / params_.rate_hz * params_.rate_readings;
-      if (due_ == 0) due_ = now + 2 * whole + params_.answer_timeout;
+      const rt::Nanoseconds nominal = rt::kSecond / params_.rate_hz * params_.rate_readings;
+      if (due_ == 0) due_ = now + 2 * nominal + params_.answer_timeout;
       if (now >= due_)
-        Fail(Wrong::kRateMeasured,
+        Fail(Failure::kRateMeasured,
              rate_count_ > 0 ? rate_count_ / rt::ToSeconds(rate_last_ - rate_since_) : 0.0);
     }
+    // running: the only command left is the bias
     if (bias_ == Bias::kNone || step_ != Step::kRunning) return false;
     frame = {.id = params_.command_id,
              .size = 8,
@@ -222,7 +230,7 @@ bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (attempts_ > 0 && now < due_) return false;
   if (step_ == Step::kStop && attempts_ > 0) Advance();  // the sensor does not answer "stop"
   if (attempts_ == params_.attempts) {
-    Fail(Wrong::kSilent, attempts_);
+    Fail(Failure::kSilent, attempts_);
     return false;
   }
   ++attempts_;
@@ -274,23 +282,23 @@ std::string RobotousSensor::failure() const {
       params_.first_id, params_.second_id);
   const int command = Command(wrong_step_).data[0];
   switch (wrong_) {
-    case Wrong::kNothing:
+    case Failure::kNothing:
       break;
-    case Wrong::kSilent:
+    case Failure::kSilent:
       return place + fmt::format(
                          "no answer to command 0x{:02X} in {} attempts; check its supply, the wiring, "
                          "the bit rate (1 Mbit/s) and its ids",
                          command, static_cast<int>(found_));
-    case Wrong::kRefused:
+    case Failure::kRefused:
       return place + fmt::format("refused command 0x{:02X} with error {} ({})", command,
                                  static_cast<int>(found_), ErrorText(static_cast<int>(found_)));
-    case Wrong::kFilter:
+    case Failure::kFilter:
       return place + fmt::format("its low-pass reads back as code {}, accepted {} ({} Hz)",
                                  static_cast<int>(found_), filter_code_, params_.filter_hz);
-    case Wrong::kRateCode:
+    case Failure::kRateCode:
       return place + fmt::format("its rate reads back as code {}, accepted {} ({} Hz)",
                                  static_cast<int>(found_), rate_code_, params_.rate_hz);
-    case Wrong::kRateMeasured:
+    case Failure::kRateMeasured:
       return place + fmt::format("readings come at {:.0f} Hz, accepted {} Hz; it said it would", found_,
                                  params_.rate_hz);
   }

@@ -37,7 +37,7 @@ struct RobotousParams {
 /// the rate of the readings is measured. A sensor is refused if its reply or its readings do not confirm the
 /// rate: at 200 Hz, its default, the loop would use forces up to 5 ms old without knowing.
 ///
-/// The bias is the sensor's own function (0x11 with 1 or 0), which it does not answer.
+/// The bias is a function of the sensor (command 0x11 with 1 or 0). The sensor does not answer this command.
 ///
 /// Source: RFT series manual 1.8 (communication), and the maker's published sample for the codes of rates and
 /// cut-off frequencies. Sources differ on whether "result" of a set command is 0 or 1 on success, so the
@@ -55,7 +55,7 @@ class RobotousSensor final : public WrenchSensor {
   void RequestBias(bool on) OSTEON_RT override { bias_ = on ? Bias::kSet : Bias::kClear; }
   void Restart() OSTEON_RT override;
   [[nodiscard]] bool silent() const OSTEON_RT override {
-    return phase_ == SensorPhase::kFailed && wrong_ == Wrong::kSilent;
+    return phase_ == SensorPhase::kFailed && wrong_ == Failure::kSilent;
   }
   [[nodiscard]] std::string failure() const override;
 
@@ -72,14 +72,19 @@ class RobotousSensor final : public WrenchSensor {
     kMeasureRate,
     kRunning,
   };
-  enum class Wrong : std::uint8_t { kNothing, kSilent, kRefused, kFilter, kRateCode, kRateMeasured };
+  enum class Failure : std::uint8_t { kNothing, kSilent, kRefused, kFilter, kRateCode, kRateMeasured };
   enum class Bias : std::uint8_t { kNone, kSet, kClear };
 
-  void Fail(Wrong wrong, double found) OSTEON_RT;
-  void Answer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT;
+  // @param found  the code, rate [Hz] or number of attempts, for failure()
+  void Fail(Failure wrong, double found) OSTEON_RT;
+  // Checks an answer of the set-up; goes on to the next step, or fails.
+  void HandleAnswer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT;
   void HandleReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT;
+  // Counts a reading; after rate_readings of them, checks the mean period.
   void MeasureRate(rt::Nanoseconds stamp) OSTEON_RT;
+  // Goes on to the next step.
   void Advance() OSTEON_RT;
+  // The command of a step.
   [[nodiscard]] CanFrame Command(Step step) const OSTEON_RT;
 
   RobotousParams params_;
@@ -89,12 +94,13 @@ class RobotousSensor final : public WrenchSensor {
   Step step_{Step::kStop};
   int attempts_{0};         // of this step's command
   rt::Nanoseconds due_{0};  // time of the next attempt
-  Wrong wrong_{Wrong::kNothing};
+  Failure wrong_{Failure::kNothing};
   Step wrong_step_{Step::kStop};
   double found_{0.0};
-  Bias bias_{Bias::kNone};
+  Bias bias_{Bias::kNone};  // requested, and not sent yet
   SensorReading latest_;
   std::uint64_t readings_{0}, unexpected_{0};
+  // measurement of the rate: times of its first and last reading, and the periods between them
   rt::Nanoseconds rate_since_{0}, rate_last_{0};
   int rate_count_{0};
 };

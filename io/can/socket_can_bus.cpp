@@ -20,7 +20,8 @@ namespace {
 
 constexpr std::size_t kMaxSkipped = 64;  // error frames and invalid frames skipped in one call
 
-// Empty if `name` is an interface of type CAN that is up; otherwise text that says what is wrong.
+// Finds the interface `name` and its index, by any socket `fd`. Returns what is wrong, e.g. that the
+// interface is down; empty: nothing.
 std::string WrongWithInterface(int fd, const std::string& name, int& index) {
   ifreq request{};
   if (name.empty() || name.size() >= sizeof request.ifr_name)
@@ -54,6 +55,7 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
   for (const CanFilter& filter : params.filters)
     filters.push_back({.can_id = filter.id, .can_mask = filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
   if (filters.empty()) filters.push_back({.can_id = 0, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG});
+  // the reports of the CAN controller that HandleErrorFrame gets
   const can_err_mask_t errors =
       CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_ACK | CAN_ERR_BUSERROR;
   const int loopback = params.local_loopback ? 1 : 0, on = 1, off = 0;
@@ -82,6 +84,7 @@ CanResult SocketCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({
 
 CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   CanResult result = CanResult::kOk;
+  // drops the first `count` frames and counts them as unsent
   const auto refuse = [&](std::size_t count, CanResult why) {
     status_.unsent += count;
     frames = frames.subspan(count);
@@ -124,19 +127,21 @@ CanResult SocketCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 }
 
 CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
-  const auto judge = [] {
+  const auto classify = [] {
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ? EmptyReceive::kNothing
                                                                      : EmptyReceive::kDown;
   };
-  const auto take = [this](std::size_t i, CanArrival& arrival) {
+  const auto deliver = [this](std::size_t i, CanArrival& arrival) {
     return AcceptFrame(in_.bytes(i), in_.header(i), arrival);
   };
-  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
+  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Whether to deliver the frame; reports of kernel and controller are processed in any case.
+// Reads a message of the socket. True if it is a data frame, now in `arrival`; reports of the kernel and of
+// the CAN controller update the status.
 bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                CanArrival& arrival) OSTEON_RT {
+  // the kernel's count of frames that found no room in the socket's queue
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t dropped = 0;
@@ -155,6 +160,7 @@ bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& mess
     HandleErrorFrame(wire.can_id & CAN_ERR_MASK, wire.data);
     return false;
   }
+  // a 29-bit identifier, or a remote request
   if ((wire.can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG)) != 0) {
     ++status_.rejected;
     return false;

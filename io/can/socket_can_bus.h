@@ -53,12 +53,13 @@ class SocketCanBus final : public CanBus {
   explicit SocketCanBus(int socket) : socket_(socket) {}
   [[nodiscard]] bool AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                  CanArrival& arrival) OSTEON_RT;
+  // Updates the status by a report of the CAN controller. @param data  the error frame's eight bytes
   void HandleErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
 
   int socket_;
   CanStatus status_;
   std::uint32_t overflow_{0};  // the kernel's count of frames without room in our queue
-  bool gap_{false};
+  bool gap_{false};            // frames were lost since the last one delivered
   MessageBatch<sizeof(can_frame), 0> out_;
   MessageBatch<sizeof(can_frame), CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> in_;
 };

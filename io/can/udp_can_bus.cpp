@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxSkipped = 64;  // datagrams skipped in one call
 
+// "UDP ADDRESS:PORT", for errors.
 std::string Place(const std::string& address, std::uint16_t port) {
   return "UDP " + address + ":" + std::to_string(port);
 }
@@ -47,16 +48,16 @@ tl::expected<std::unique_ptr<UdpCanBus>, std::string> UdpCanBus::Open(const UdpC
 }
 
 tl::expected<UdpCanBus::Pair, std::string> UdpCanBus::OpenPair() {
-  // The first end learns the second's port only afterwards. Until then it is connected to the discard port,
-  // so that it never receives from others.
-  auto a = Open({.bind_port = 0, .peer_port = 9});
-  if (!a) return tl::unexpected(a.error());
-  auto b = Open({.bind_port = 0, .peer_port = (*a)->port_});
-  if (!b) return tl::unexpected(b.error());
-  const auto peer = Ipv4("CAN tunnel: peer", "127.0.0.1", (*b)->port_);
-  if (connect((*a)->socket_, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) != 0)
-    return tl::unexpected("CAN tunnel: " + Place("127.0.0.1", (*a)->port_) + ": " + SystemReason(errno));
-  return Pair(std::move(*a), std::move(*b));
+  // The first end is opened before the second one has a port. Until then the first is connected to the
+  // discard port (9), so that it never receives from others.
+  auto first = Open({.bind_port = 0, .peer_port = 9});
+  if (!first) return tl::unexpected(first.error());
+  auto second = Open({.bind_port = 0, .peer_port = (*first)->port_});
+  if (!second) return tl::unexpected(second.error());
+  const auto peer = Ipv4("CAN tunnel: peer", "127.0.0.1", (*second)->port_);
+  if (connect((*first)->socket_, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) != 0)
+    return tl::unexpected("CAN tunnel: " + Place("127.0.0.1", (*first)->port_) + ": " + SystemReason(errno));
+  return Pair(std::move(*first), std::move(*second));
 }
 
 UdpCanBus::~UdpCanBus() { close(socket_); }
@@ -76,13 +77,13 @@ CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
       out_.SetSize(count, size);
     }
     const int sent = count > 0 ? out_.Send(socket_, count) : 0;
-    const auto went = static_cast<std::size_t>(std::max(sent, 0));
-    status_.sent += went;
-    sequence_ += static_cast<std::uint32_t>(went);
-    frames = frames.subspan(went);
-    if (count > 0 && went == count) continue;
-    // the next frame was refused. All frames fail if there is no room or no socket; it alone fails if it is
-    // invalid, or if the system uses it to report that an earlier datagram was undeliverable
+    const auto accepted = static_cast<std::size_t>(std::max(sent, 0));
+    status_.sent += accepted;
+    sequence_ += static_cast<std::uint32_t>(accepted);
+    frames = frames.subspan(accepted);
+    if (count > 0 && accepted == count) continue;
+    // The next frame was refused. Without room or socket all the rest fail. It alone fails if it is invalid,
+    // or if the system refused it to report that an earlier datagram was undeliverable.
     const bool down = sent < 0 && (errno == EBADF || errno == ENOTSOCK);
     const bool full = sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS);
     const std::size_t refused = down || full ? frames.size() : 1;
@@ -99,19 +100,20 @@ CanResult UdpCanBus::TryReceive(CanArrival& arrival) OSTEON_RT {
 }
 
 CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) OSTEON_RT {
-  const auto judge = [] {
+  const auto classify = [] {
     if (errno == EBADF || errno == ENOTSOCK) return EmptyReceive::kDown;
     return errno == EAGAIN || errno == EWOULDBLOCK ? EmptyReceive::kNothing : EmptyReceive::kReport;
   };
-  const auto take = [this](std::size_t i, CanArrival& arrival) {
+  const auto deliver = [this](std::size_t i, CanArrival& arrival) {
     if (!AcceptDatagram(in_.bytes(i), arrival)) return false;
     arrival.stamp = ArrivalTime(in_.header(i));
     return true;
   };
-  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, judge, take);
+  return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Whether to deliver the frame.
+// Reads a datagram. True if its frame is valid, newer than those before and passes the filters; it is then in
+// `arrival`.
 bool UdpCanBus::AcceptDatagram(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
   UdpCanMessage parsed;
   if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {
@@ -133,7 +135,8 @@ CanResult UdpCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTE
   }
 }
 
-// Updates the counts by the sequence number; false if the frame is old.
+// Updates the counts of lost and duplicate frames by the sequence number. False if the frame was received
+// before, or was overtaken by a newer one.
 bool UdpCanBus::InOrder(const UdpCanMessage& message) OSTEON_RT {
   if (!heard_ || message.session != peer_session_) {
     heard_ = true;
@@ -141,7 +144,7 @@ bool UdpCanBus::InOrder(const UdpCanMessage& message) OSTEON_RT {
     expected_ = message.sequence;
   }
   const std::uint32_t ahead = message.sequence - expected_;
-  if (ahead >= 0x8000'0000u) {
+  if (ahead >= 0x8000'0000u) {  // negative modulo 2^32: older than expected
     ++status_.duplicate;
     return false;
   }

@@ -21,8 +21,8 @@ namespace osteon::io {
 struct UdpCanParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of this end
   std::uint16_t bind_port{29536};
-  std::string peer_address{
-      "127.0.0.1"};  ///< the one peer; everybody else's datagrams are dropped by the system
+  /// The peer; the system drops datagrams from anybody else.
+  std::string peer_address{"127.0.0.1"};
   std::uint16_t peer_port{29537};
   std::vector<CanFilter> filters{};  ///< frames to deliver; none: everything
 };
@@ -64,9 +64,10 @@ class UdpCanBus final : public CanBus {
   std::uint16_t port_{0};
   std::vector<CanFilter> filters_;
   CanStatus status_;
-  std::uint32_t session_, sequence_{0};          // ours
-  std::uint32_t peer_session_{0}, expected_{0};  // the peer's
-  bool heard_{false}, gap_{false};
+  std::uint32_t session_, sequence_{0};          // ours: the sequence number of the next frame
+  std::uint32_t peer_session_{0}, expected_{0};  // the peer's: the next sequence number
+  bool heard_{false};                            // a frame of the peer has come
+  bool gap_{false};                              // frames were lost since the last one delivered
   MessageBatch<kUdpCanMaxDatagram, 0> out_;
   MessageBatch<kUdpCanMaxDatagram + 1, CMSG_SPACE(sizeof(timespec))>
       in_;  // one more, to detect oversized datagrams

@@ -21,7 +21,7 @@
 
 namespace osteon::io {
 
-inline constexpr std::size_t kUdpCanHeader = 16;
+inline constexpr std::size_t kUdpCanHeader = 16;  ///< bytes before the data
 inline constexpr std::size_t kUdpCanMaxDatagram = kUdpCanHeader + 8;
 inline constexpr std::uint32_t kUdpCanMagic = 0x4F43414E;
 inline constexpr std::uint8_t kUdpCanVersion = 1;

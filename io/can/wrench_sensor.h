@@ -9,7 +9,7 @@
 
 namespace osteon::io {
 
-/// A sensor's flags on a reading, common to all makes.
+/// Flags of a reading, the same for all manufacturers.
 enum SensorFlag : std::uint32_t {
   kSensorOverload = 1u << 0,  ///< an axis beyond its range: do not trust the value
   kSensorFault = 1u << 1,     ///< supply, temperature, memory, calibration: do not trust the value
@@ -23,7 +23,7 @@ struct SensorReading {
   rt::Nanoseconds stamp{0};  ///< arrival of its first frame; 0: none yet
   PlainWrench F_S;
   std::uint32_t flags{0};   ///< SensorFlag
-  std::uint16_t status{0};  ///< status word as sent; its bits depend on the make
+  std::uint16_t status{0};  ///< status word as sent; its bits depend on the manufacturer
 };
 
 enum class SensorPhase : std::uint8_t {
@@ -39,8 +39,8 @@ struct SensorCounters {
   std::uint64_t unexpected{0};  ///< answers to another command than the one sent, invalid values
 };
 
-/// A six-axis force sensor on a CAN bus. The same frames-in, frames-out calls set it up and run it: pump it
-/// until phase() is no longer kStarting.
+/// A six-axis force sensor on a CAN bus. Accept and Next also set it up: call them (a CanPump does) until
+/// phase() is no longer kStarting.
 class WrenchSensor : public CanClient {
  public:
   /// The newest reading; the caller checks its age.

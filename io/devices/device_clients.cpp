@@ -10,25 +10,29 @@
 namespace osteon::io {
 namespace {
 
-constexpr rt::Nanoseconds kGrantedWithin = 400 * rt::kMillisecond;  // then the motion request is withdrawn
-constexpr rt::Nanoseconds kWithdrawnFor = 150 * rt::kMillisecond;   // longer than a heartbeat's 100 ms
-constexpr rt::Nanoseconds kAgainAfter = rt::kSecond;                // a silent device is then set up again
-constexpr double kStands_rad_per_s = 0.5;  // below this speed a spindle may be switched off
+// A motion request that the PLC has not granted for this long is withdrawn, then made again.
+constexpr rt::Nanoseconds kGrantTimeout = 400 * rt::kMillisecond;
+// Duration of that withdrawal. Longer than the 100 ms within which a heartbeat writes it to the PLC.
+constexpr rt::Nanoseconds kWithdrawal = 150 * rt::kMillisecond;
+// A device that has been silent for this long is set up again.
+constexpr rt::Nanoseconds kSilenceBeforeRetry = rt::kSecond;
+constexpr double kStandstill_rad_per_s = 0.5;  // below this speed a spindle may be switched off
 
-// Makes a sensor of one make as a WrenchSensor.
+// Makes one manufacturer's sensor, behind the common interface.
 template <class Sensor, class Params>
-tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeOne(const Params& params) {
+tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeSensorOf(const Params& params) {
   auto made = Sensor::Make(params);
   if (!made) return tl::make_unexpected(made.error());
   return std::make_unique<Sensor>(std::move(*made));
 }
 
-struct MakeSensor {
-  auto operator()(const RobotousParams& params) const { return MakeOne<RobotousSensor>(params); }
-  auto operator()(const AtiParams& params) const { return MakeOne<AtiSensor>(params); }
+// Visitor of WrenchSensorParams: makes the sensor whose parameters they are.
+struct SensorMaker {
+  auto operator()(const RobotousParams& params) const { return MakeSensorOf<RobotousSensor>(params); }
+  auto operator()(const AtiParams& params) const { return MakeSensorOf<AtiSensor>(params); }
 };
 
-// Text for the drive's faults, with names and numbers, and for its resets.
+// A sentence about the drive's faults and what to do. @param resets  attempted so far
 std::string DriveFaultText(const DriveStatus& status, bool heard, int resets) {
   return fmt::format(
       "reamer drive: {}: {}; {}", Describe(status.state),
@@ -57,7 +61,7 @@ std::optional<std::string> FindOverlap(const DeviceParams& params) {
 
 tl::expected<std::unique_ptr<DeviceClients>, std::string> DeviceClients::Make(const DeviceParams& params) {
   if (auto overlap = FindOverlap(params)) return tl::make_unexpected(*overlap);
-  auto sensor = std::visit(MakeSensor{}, params.sensor);
+  auto sensor = std::visit(SensorMaker{}, params.sensor);
   if (!sensor) return tl::make_unexpected(sensor.error());
   std::unique_ptr<DeviceClients> clients(new DeviceClients(params, std::move(*sensor)));
   if (params.drive) {
@@ -76,7 +80,7 @@ void DeviceClients::AddToPump(CanPump& pump, std::size_t bus) {
 bool DeviceClients::SilenceTimer::HasExpired(bool silent, rt::Nanoseconds now) OSTEON_RT {
   if (!silent) since_ = -1;
   if (silent && since_ < 0) since_ = now;
-  if (!silent || now - since_ < kAgainAfter) return false;
+  if (!silent || now - since_ < kSilenceBeforeRetry) return false;
   since_ = -1;
   ++expired_count_;
   return true;
@@ -86,7 +90,7 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
   if (sensor_silence_.HasExpired(sensor_->silent(), now)) sensor_->Restart();
   if (!drive_) return;
   if (drive_silence_.HasExpired(drive_->silent(), now)) drive_->Restart();
-  const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStands_rad_per_s;
+  const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStandstill_rad_per_s;
   // A quick stop goes on to standstill, whatever is commanded meanwhile: a loop may recover within
   // milliseconds.
   quick_stops_ = commands.quick_stop || (quick_stops_ && turns);
@@ -104,13 +108,14 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
 
 bool DeviceClients::UpdateMotionRequest(const control::CellCommands& commands, const PlcReading& plc,
                                         rt::Nanoseconds now) OSTEON_RT {
-  if (commands.motion_requested && !was_wanted_) asked_since_ = now;
-  was_wanted_ = commands.motion_requested;
-  if (!was_wanted_) return false;
+  if (commands.motion_requested && !was_requested_) asked_since_ = now;
+  was_requested_ = commands.motion_requested;
+  if (!was_requested_) return false;
+  // a granted request does not wait
   if (plc.inputs.run_permitted) asked_since_ = now;
   const rt::Nanoseconds waited = now - asked_since_;
-  if (waited > kGrantedWithin + kWithdrawnFor) asked_since_ = now;
-  return waited <= kGrantedWithin;
+  if (waited > kGrantTimeout + kWithdrawal) asked_since_ = now;  // requests again
+  return waited <= kGrantTimeout;
 }
 
 control::CellReadings DeviceClients::Readings(const PlcReading& plc, rt::Nanoseconds now) const OSTEON_RT {
@@ -144,31 +149,33 @@ control::CellReadings DeviceClients::Readings(const PlcReading& plc, rt::Nanosec
 
 std::string DeviceClients::Diagnosis(const PlcReading& plc, rt::Nanoseconds now) const {
   std::string text;
-  const auto say = [&text](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  const auto append_sentence = [&text](const std::string& more) {
+    text += (text.empty() ? "" : "; ") + more;
+  };
   if (sensor_->phase() == SensorPhase::kFailed)
-    say("force sensor: " + sensor_->failure());
+    append_sentence("force sensor: " + sensor_->failure());
   else if (sensor_->phase() == SensorPhase::kStarting)
-    say(sensor_silence_.expired_count() == 0
-            ? "force sensor: no reading yet"
-            : "force sensor: no answer so far; check its supply, the wiring, the bit rate");
+    append_sentence(sensor_silence_.expired_count() == 0
+                        ? "force sensor: no reading yet"
+                        : "force sensor: no answer so far; check its supply, the wiring, the bit rate");
   else if ((sensor_->Latest().flags & (kSensorOverload | kSensorFault)) != 0)
-    say("force sensor: overloaded or faulty");
+    append_sentence("force sensor: overloaded or faulty");
   if (drive_ && drive_->phase() == DrivePhase::kFailed)
-    say("reamer drive: " + drive_->failure());
+    append_sentence("reamer drive: " + drive_->failure());
   else if (drive_ && drive_->phase() == DrivePhase::kStarting)
-    say(drive_silence_.expired_count() == 0
-            ? "reamer drive: not configured yet"
-            : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
+    append_sentence(drive_silence_.expired_count() == 0
+                        ? "reamer drive: not configured yet"
+                        : "reamer drive: no answer so far; check its supply, the wiring, the bit rate");
   else if (drive_ && drive_->status().faults != 0)
-    say(DriveFaultText(drive_->status(), drive_->IsHeard(now), drive_reset_.attempts()));
+    append_sentence(DriveFaultText(drive_->status(), drive_->IsHeard(now), drive_reset_.attempts()));
   if (params_.plc) {
     const PlcVerdict verdict = Judge(plc, now, params_.plc_max_age);
     if (verdict != PlcVerdict::kRun)
-      say(Describe(*params_.plc, plc) + ", " + Describe(verdict));
+      append_sentence(Describe(*params_.plc, plc) + ", " + Describe(verdict));
     else if (plc.inputs.enabling != PlcEnabling::kEnabled)
-      say(Describe(*params_.plc, plc) +
-          ", ENABLING_SWITCH (979) is not in its middle position: hold it; "
-          "squeezed through, let it go first");
+      append_sentence(Describe(*params_.plc, plc) +
+                      ", ENABLING_SWITCH (979) is not in its middle position: hold it; "
+                      "squeezed through, let it go first");
   }
   return text;
 }

@@ -12,9 +12,9 @@
 
 namespace osteon::io {
 
-/// The loop's view of force sensor and reamer drive, and its request to the PLC, without the connections. In
-/// wall time WiredDevices connects it to buses; in virtual time frames are passed in memory. One thread at a
-/// time; no allocation after construction.
+/// Force sensor and reamer drive as the loop sees them, and its request to the PLC, without the connections.
+/// In wall time WiredDevices connects them to buses; in virtual time frames are passed in memory. One thread
+/// at a time; no allocation after construction.
 class DeviceClients {
  public:
   /// The error names the device, the parameter, the value found and what is accepted.
@@ -44,14 +44,15 @@ class DeviceClients {
   DeviceClients(const DeviceParams& params, std::unique_ptr<WrenchSensor> sensor)
       : params_(params), sensor_(std::move(sensor)) {}
 
-  /// Detects a device that has been silent for a second and must be set up again.
+  /// Tells when a device that has failed without any answer is set up again: after each second of silence.
   class SilenceTimer {
    public:
+    /// Call once a tick. True once after each second in which `silent` was true.
     [[nodiscard]] bool HasExpired(bool silent, rt::Nanoseconds now) OSTEON_RT;
     [[nodiscard]] int expired_count() const { return expired_count_; }
 
    private:
-    rt::Nanoseconds since_{-1};
+    rt::Nanoseconds since_{-1};  // beginning of the silence; negative: none
     int expired_count_{0};
   };
 
@@ -61,7 +62,9 @@ class DeviceClients {
   SilenceTimer sensor_silence_, drive_silence_;
   bool quick_stops_{false};  // the drive brakes, and still turns
   DriveReset drive_reset_;
-  bool was_wanted_{false};
+  // the motion request: whether the loop wanted it in the last tick, and since when it waits for the PLC's
+  // grant
+  bool was_requested_{false};
   rt::Nanoseconds asked_since_{0};
 };
 

@@ -28,9 +28,9 @@ using WrenchSensorParams = std::variant<RobotousParams, AtiParams>;
 struct DeviceParams {
   std::vector<CanBusParams> buses;
   WrenchSensorParams sensor;
-  std::size_t sensor_bus{0};               ///< in `buses`
+  std::size_t sensor_bus{0};               ///< index in `buses`
   std::optional<ReamerDriveParams> drive;  ///< absent: the tool has no drive
-  std::size_t drive_bus{0};
+  std::size_t drive_bus{0};                ///< index in `buses`
   std::optional<PlcClientParams> plc;
   rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; twice that for its heartbeat
 };

@@ -19,6 +19,7 @@ class DriveReset {
     if (!allowed) attempts_ = 0;
     return allowed && faulty && attempts_ < kAttempts && (attempts_ == 0 || now - last_ >= kBetween);
   }
+  /// Counts a reset that was sent.
   void Count(rt::Nanoseconds now) OSTEON_RT {
     ++attempts_;
     last_ = now;

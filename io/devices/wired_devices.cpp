@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// Converts the result of either bus's Open to that of a CanBus.
+// Converts the result of opening either kind of bus to the common interface.
 template <class Bus>
 tl::expected<std::unique_ptr<CanBus>, std::string> AsBus(
     tl::expected<std::unique_ptr<Bus>, std::string> opened) {
@@ -14,6 +14,7 @@ tl::expected<std::unique_ptr<CanBus>, std::string> AsBus(
   return std::unique_ptr<CanBus>(std::move(*opened));
 }
 
+// Opens SocketCAN if the bus has an interface, otherwise the UDP tunnel.
 tl::expected<std::unique_ptr<CanBus>, std::string> OpenBus(const CanBusParams& bus,
                                                            const std::vector<CanFilter>& filters) {
   if (!bus.interface.empty())

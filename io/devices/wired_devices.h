@@ -22,6 +22,7 @@ class WiredDevices final : public control::CellDevices {
   [[nodiscard]] static tl::expected<std::unique_ptr<WiredDevices>, std::string> Open(
       const DeviceParams& params);
 
+  /// Sends the commands, and returns the newest readings of all devices. Call once a tick.
   [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT override;
 
@@ -35,7 +36,7 @@ class WiredDevices final : public control::CellDevices {
   std::vector<std::unique_ptr<CanBus>> buses_;
   std::vector<CanPump> pumps_;
   std::unique_ptr<PlcClient> plc_;
-  PlcReading no_plc_;
+  PlcReading no_plc_;  // the reading of a cell without a PLC
 };
 
 }  // namespace osteon::io

@@ -20,18 +20,23 @@ namespace osteon::io {
 
 enum class EngineBlock : std::uint8_t { kSetup = 0, kCarved = 1 };
 
+/// Bytes of a block in one message; the last piece may be shorter.
 inline constexpr std::size_t kPieceBytes = 1280;
-inline constexpr std::size_t kWindowPieces = 32;  // below the socket buffers of any system
+/// Most pieces asked for at once: together below the socket buffers of any system.
+inline constexpr std::size_t kWindowPieces = 32;
+/// A larger block is refused.
 inline constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
+/// Missing pieces are asked for again after this time.
 inline constexpr rt::Nanoseconds kAskAgain = 20 * rt::kMillisecond;
 
-/// Asks for pieces from `first` on.
+/// A request for `count` pieces of a block, from number `first` on.
 struct EngineWant {
   EngineBlock block{EngineBlock::kSetup};
   std::uint64_t first{0};
   std::uint32_t count{0};
 };
 
+/// Encodes a request as a whole message. @param header  with the kind kWant
 inline EngineBytes EncodeWant(const EngineHeader& header, const EngineWant& want) {
   std::array<std::uint8_t, 13> content;
   ByteWriter writer(content);
@@ -43,6 +48,7 @@ inline EngineBytes EncodeWant(const EngineHeader& header, const EngineWant& want
   return bytes;
 }
 
+/// Decodes a message's content; nothing if it is no valid request.
 [[nodiscard]] inline std::optional<EngineWant> DecodeWant(std::span<const std::uint8_t> content) {
   ByteReader reader(content);
   EngineWant want;
@@ -101,13 +107,15 @@ class BlockReceiver {
     return EngineWant{
         .block = block_, .first = missing_, .count = static_cast<std::uint32_t>(asked_to_ - missing_)};
   }
+  /// Moves the block's bytes out, once complete.
   [[nodiscard]] std::vector<std::uint8_t> TakeBytes() { return std::move(bytes_); }
 
  private:
   EngineBlock block_;
   std::vector<std::uint8_t> bytes_;
-  std::vector<bool> has_;
-  std::uint64_t missing_{0}, asked_to_{0};
+  std::vector<bool> has_;      // for each piece: it has come
+  std::uint64_t missing_{0};   // number of the first piece that has not come
+  std::uint64_t asked_to_{0};  // end of the pieces asked for last
   rt::Nanoseconds asked_at_{0};
 };
 

@@ -30,6 +30,7 @@ class ByteWriter {
     std::memcpy(room_.data() + at_, bytes.data(), bytes.size());
     at_ += bytes.size();
   }
+  /// Bytes written.
   [[nodiscard]] std::size_t size() const OSTEON_RT { return at_; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
 
@@ -65,6 +66,7 @@ class ByteReader {
     at_ += size;
     return bytes_.subspan(at_ - size, size);
   }
+  /// Bytes not read yet.
   [[nodiscard]] std::size_t left() const OSTEON_RT { return bytes_.size() - at_; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
 

@@ -9,11 +9,12 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kCrcAt = 12;
+constexpr std::size_t kCrcAt = 12;          // byte of the header at which the CRC-32 begins
 constexpr double kMaxValue = 1e9;           // bound on every number, in SI units: far beyond any cell
 constexpr double kMaxRotationError = 1e-6;  // largest difference of an element of R R^T from the identity's
-constexpr double kMaxDt_s = 1.0;
+constexpr double kMaxDt_s = 1.0;            // largest EngineCommand::dt_s
 
+// CRC-32 of a message without its own four bytes.
 std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
   const uLong first = crc32_z(0, message.data(), kCrcAt);
   const std::span<const std::uint8_t> rest = message.subspan(kCrcAt + sizeof(std::uint32_t));
@@ -22,6 +23,7 @@ std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
 
 bool IsAccepted(double value) OSTEON_RT { return std::abs(value) <= kMaxValue; }  // false for NaN
 
+// Whether R is a rotation, row by row; false for NaN.
 bool IsRotation(const std::array<double, 9>& R) OSTEON_RT {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i; j < 3; ++j) {
@@ -36,27 +38,28 @@ bool IsRotation(const std::array<double, 9>& R) OSTEON_RT {
 }
 
 // Encoding and decoding share one list of a message's fields (Visit), so that they cannot differ. The list
-// calls Field for each value: Checked reads and checks it, Written writes it.
-class Checked {
+// calls Field for each value: FieldReader reads and checks the value, FieldWriter writes it. Require is a
+// check of several values, made when reading.
+class FieldReader {
  public:
-  explicit Checked(std::span<const std::uint8_t> content) : reader_(content) {}
+  explicit FieldReader(std::span<const std::uint8_t> content) : reader_(content) {}
 
   template <class T>
   void Field(T& value) OSTEON_RT {
     reader_.Get(value);
-    if constexpr (std::is_floating_point_v<T>) good_ &= IsAccepted(value);
+    if constexpr (std::is_floating_point_v<T>) accepted_ &= IsAccepted(value);
   }
-  void Require(bool holds) OSTEON_RT { good_ &= holds; }
-  [[nodiscard]] bool accepted() const OSTEON_RT { return good_ && reader_.ok() && reader_.left() == 0; }
+  void Require(bool holds) OSTEON_RT { accepted_ &= holds; }
+  [[nodiscard]] bool accepted() const OSTEON_RT { return accepted_ && reader_.ok() && reader_.left() == 0; }
 
  private:
   ByteReader reader_;
-  bool good_{true};
+  bool accepted_{true};
 };
 
-class Written {
+class FieldWriter {
  public:
-  explicit Written(std::span<std::uint8_t> room) : writer_(room) {}
+  explicit FieldWriter(std::span<std::uint8_t> room) : writer_(room) {}
   template <class T>
   void Field(T& value) OSTEON_RT {
     writer_.Put(value);
@@ -127,15 +130,17 @@ void Visit(Fields& fields, EngineFrame& f) OSTEON_RT {
   fields.Require(m.pose_stamp >= 0 && f.duration_ns >= 0);
 }
 
+// Encodes a command or a frame as a whole message.
 template <class Message>
 void EncodeFields(const EngineHeader& header, const Message& message, EngineBytes& out) OSTEON_RT {
   std::array<std::uint8_t, kEngineMaxMessage - kEngineHeaderBytes> content;
-  Written fields(content);
+  FieldWriter fields(content);
   Message copy = message;  // Visit needs a message that can be changed, since it also decodes
   Visit(fields, copy);
   EncodeEngine(header, {content.data(), fields.writer().size()}, out);
 }
 
+// Decodes a whole message of one kind. An error leaves `out` unchanged.
 template <class Message>
 EngineError DecodeFields(EngineMessage kind, std::span<const std::uint8_t> bytes, EngineHeader& header,
                          Message& out) OSTEON_RT {
@@ -143,7 +148,7 @@ EngineError DecodeFields(EngineMessage kind, std::span<const std::uint8_t> bytes
   if (const EngineError error = DecodeEngine(bytes, header, content); error != EngineError::kNone)
     return error;
   if (header.kind != kind) return EngineError::kWrongKind;
-  Checked fields(content);
+  FieldReader fields(content);
   Message message;
   Visit(fields, message);
   if (!fields.accepted()) return EngineError::kOutOfRange;

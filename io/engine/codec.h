@@ -19,7 +19,7 @@
 //          24  sequence, 8
 //          32  content
 //
-// A message is hostile until a Decode has accepted it: its length, its checksum and every number.
+// A message is not trusted until a DecodeEngine has accepted its length, its checksum and every number.
 
 namespace osteon::io {
 
@@ -32,7 +32,7 @@ struct EngineBytes {
   [[nodiscard]] std::span<const std::uint8_t> view() const OSTEON_RT { return {bytes.data(), size}; }
 };
 
-/// Writes a message around its content. @returns false, with size 0, if the content is too long.
+/// Encodes a message: a header, then the content. @returns false, with size 0, if the content is too long.
 bool EncodeEngine(const EngineHeader& header, std::span<const std::uint8_t> content,
                   EngineBytes& message) OSTEON_RT;
 void EncodeEngine(const EngineHeader& header, const EngineCommand& command, EngineBytes& message) OSTEON_RT;

@@ -16,9 +16,12 @@ namespace {
 constexpr std::array<std::uint8_t, 8> kMagic{'O', 'S', 'T', 'E', 'N', 'S', 'E', 'T'};
 constexpr std::uint32_t kVersion = 2;                                          // version 1 had no edges
 constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);  // magic, version, CRC
-constexpr std::size_t kMaxText = 4096;
+constexpr std::size_t kMaxText = 4096;                                         // bytes of a name
+// Bound on coordinates and radii: far beyond any bone.
 constexpr double kMax_m = 1e3;
+// Largest difference of an element of R R^T from the identity's.
 constexpr double kMaxRotationError = 1e-6;
+// Bytes that an item of each list takes at least; a material's name may be empty.
 constexpr std::size_t kBallBytes = 32, kPointBytes = 33, kToolBallBytes = 34;
 constexpr std::size_t kMaterialBytes = sizeof(std::uint32_t) + 6 * sizeof(double);
 
@@ -26,6 +29,7 @@ std::uint32_t Checksum(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
 }
 
+// Appends values, little-endian, to a growing list of bytes.
 class Output {
  public:
   template <class T>
@@ -46,7 +50,7 @@ class Output {
   std::vector<std::uint8_t> bytes;
 };
 
-// Reads values until the first error, and keeps that error.
+// Reads and checks values until the first error, and keeps that error. `what` names the value in the error.
 class Input {
  public:
   explicit Input(std::span<const std::uint8_t> bytes) : reader_(bytes) {}
@@ -57,18 +61,21 @@ class Input {
     if (!reader_.ok()) Refuse(fmt::format("{}: found the end of the bytes, accepted a value", what));
     return value;
   }
+  // A number of the range [min, max]; NaN is refused.
   double Number(const char* what, double min, double max) {
     const auto value = Take<double>(what);
     if (!(value >= min && value <= max))
       Refuse(fmt::format("{}: found {:g}, accepted {:g} … {:g}", what, value, min, max));
     return value;
   }
+  // Three coordinates, each at most kMax_m.
   PlainVector3 Point(const char* what) {
     PlainVector3 p;
     for (double* value : {&p.x, &p.y, &p.z}) *value = Number(what, -kMax_m, kMax_m);
     return p;
   }
   bool Flag(const char* what) { return Word(what, 2) == 1; }
+  // A byte of the range 0 … values - 1.
   std::uint8_t Word(const char* what, int values) {
     const auto value = Take<std::uint8_t>(what);
     if (value >= values) Refuse(fmt::format("{}: found {}, accepted 0 … {}", what, value, values - 1));
@@ -91,6 +98,7 @@ class Input {
                          reader_.left() / bytes_each));
     return ok() ? static_cast<std::size_t>(count) : 0;
   }
+  // Keeps the error, unless there was one before.
   void Refuse(std::string wrong) {
     if (wrong_.empty()) wrong_ = std::move(wrong);
   }
@@ -103,13 +111,15 @@ class Input {
   std::string wrong_;
 };
 
+// PutX and TakeX write and read the same fields in the same order.
+
 PlainPose TakePose(Input& in) {
   PlainPose X;
   for (double& element : X.R) element = in.Number("bone's pose", -1.0 - 1e-9, 1.0 + 1e-9);
   X.p = in.Point("bone's pose");
   const Pose pose = X;
-  const Matrix3 off = pose.linear() * pose.linear().transpose() - Matrix3::Identity();
-  if (in.ok() && (off.cwiseAbs().maxCoeff() > kMaxRotationError || pose.linear().determinant() < 0.0))
+  const Matrix3 error = pose.linear() * pose.linear().transpose() - Matrix3::Identity();
+  if (in.ok() && (error.cwiseAbs().maxCoeff() > kMaxRotationError || pose.linear().determinant() < 0.0))
     in.Refuse("bone's pose: found a matrix that is no rotation, accepted a rotation");
   return X;
 }

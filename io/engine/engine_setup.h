@@ -22,7 +22,8 @@ struct EngineSetup {
   simulation::CuttingParams cutting;
 };
 
-/// Little-endian, with version and CRC-32. Texts about the sources of figures are left out.
+/// Little-endian, with version and CRC-32. The texts that tell where a material's figures come from are left
+/// out.
 [[nodiscard]] std::vector<std::uint8_t> EncodeSetup(const EngineSetup& setup);
 /// Verifies everything, and allocates at most in proportion to the bytes. The error says what was found and
 /// what is accepted.

@@ -24,9 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<char, 8> kMagic{'O', 'S', 'T', 'S', 'H', 'A', 'R', 'E'};
+// Prefix of the folders of all runs.
 constexpr const char* kPrefix = "osteon_engine_";
-constexpr rt::Nanoseconds kCommandPoll = 50'000;  // commands come once a millisecond
-constexpr rt::Nanoseconds kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
+// Shared memory is polled at these intervals: for a command (one comes each millisecond), for a frame, and
+// for the engine's state at the end.
+constexpr rt::Nanoseconds kCommandPoll = 50'000, kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
+// Time between two checks whether the run still lives.
 constexpr rt::Nanoseconds kRunCheck = 100 * rt::kMillisecond;
 
 // Returns the system's folder for shared memory, or the one for temporary files if there is none.
@@ -58,14 +61,16 @@ SharedEngine* Map(int file) {
   return at == MAP_FAILED ? nullptr : static_cast<SharedEngine*>(at);
 }
 
+// Copies a text into shared memory, cut to the room and ended by a zero.
 template <std::size_t kSize>
-void PutText(const std::string& text, std::array<char, kSize>& to) {
+void WriteSharedText(const std::string& text, std::array<char, kSize>& to) {
   to.fill('\0');
   std::copy_n(text.begin(), std::min(text.size(), kSize - 1), to.begin());
 }
 
+// Copies a text out of shared memory; control characters become blanks, as the text will be printed.
 template <std::size_t kSize>
-std::string TakeText(const std::array<char, kSize>& from) {
+std::string ReadSharedText(const std::array<char, kSize>& from) {
   const auto end = std::find(from.begin(), from.end(), '\0');
   std::string text(from.begin(), end);
   std::ranges::replace_if(
@@ -80,6 +85,7 @@ tl::expected<std::vector<std::uint8_t>, std::string> ReadFile(const fs::path& pa
   return bytes;
 }
 
+// Returns an empty string, or the error.
 std::string WriteFile(const fs::path& path, std::span<const std::uint8_t> bytes) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -115,7 +121,7 @@ tl::expected<std::unique_ptr<LocalEngineClient>, std::string> LocalEngineClient:
   return client;
 }
 
-// A new file is all zeros, so members that are not written here begin as zero.
+// A new file is all zeros, so members of SharedEngine that are not written here begin as zero.
 LocalEngineClient::LocalEngineClient(std::filesystem::path folder, int file, SharedEngine* shared)
     : folder_(std::move(folder)),
       file_(file),
@@ -142,11 +148,11 @@ LocalEngineClient::~LocalEngineClient() {
 }
 
 void LocalEngineClient::ReadNames() {
-  engine_ = TakeText(shared_->engine_name);
-  device_ = TakeText(shared_->device);
+  engine_ = ReadSharedText(shared_->engine_name);
+  device_ = ReadSharedText(shared_->device);
 }
 
-std::string LocalEngineClient::ReadError() const { return TakeText(shared_->error); }
+std::string LocalEngineClient::ReadError() const { return ReadSharedText(shared_->error); }
 
 const simulation::ContactModel& LocalEngineClient::Load() OSTEON_RT {
   if (!models_.Load(model_bytes_)) return newest_.model;
@@ -268,13 +274,13 @@ tl::expected<std::vector<std::uint8_t>, std::string> LocalEngineServer::ReadSetu
 }
 
 void LocalEngineServer::SetRunning(const std::string& engine, const std::string& device) {
-  PutText(engine, shared_->engine_name);
-  PutText(device, shared_->device);
+  WriteSharedText(engine, shared_->engine_name);
+  WriteSharedText(device, shared_->device);
   shared_->engine.store(SharedState::kRunning, std::memory_order_release);
 }
 
 void LocalEngineServer::SetFailed(const std::string& why) {
-  PutText(why, shared_->error);
+  WriteSharedText(why, shared_->error);
   shared_->engine.store(SharedState::kFailed, std::memory_order_release);
 }
 

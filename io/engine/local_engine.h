@@ -21,7 +21,7 @@
 
 namespace osteon::io {
 
-/// The run's end.
+/// The run's side.
 class LocalEngineClient final : public EngineClient {
  public:
   /// Creates the folder. Also removes the folders of runs that ended without removing theirs.
@@ -58,7 +58,7 @@ class LocalEngineClient final : public EngineClient {
   SharedEngine* shared_;
   SlotWriter commands_;
   SlotReader models_;
-  std::uint64_t session_, sent_{0}, next_frame_{1};
+  std::uint64_t session_, sent_{0}, next_frame_{1};  // commands sent; number of the frame expected next
   EngineBytes command_bytes_, model_bytes_, frame_bytes_;
   EngineFrame newest_;
   std::atomic<std::uint64_t> rejected_{0};
@@ -66,7 +66,7 @@ class LocalEngineClient final : public EngineClient {
   std::string engine_, device_;
 };
 
-/// The engine's end.
+/// The engine's side.
 class LocalEngineServer final : public EngineServer {
  public:
   /// Opens a folder that a run has created. The error says what is wrong with it.
@@ -88,6 +88,7 @@ class LocalEngineServer final : public EngineServer {
 
  private:
   LocalEngineServer(std::filesystem::path folder, int file, SharedEngine* shared);
+  // Whether the run has ended, or its process no longer exists.
   [[nodiscard]] bool IsRunGone() const;
 
   std::filesystem::path folder_;
@@ -95,7 +96,7 @@ class LocalEngineServer final : public EngineServer {
   SharedEngine* shared_;
   SlotReader commands_;
   SlotWriter models_;
-  std::uint64_t session_, made_{0};
+  std::uint64_t session_, made_{0};  // frames made
   EngineBytes command_bytes_, frame_bytes_;
   rt::Nanoseconds run_checked_at_{0};
 };

@@ -20,9 +20,9 @@ enum class EngineMessage : std::uint16_t {
   kHello = 1,    ///< run to engine: begins a session, with the token
   kWelcome = 2,  ///< engine to run: the session's number, and how far its set-up is
   kCommand = 3,  ///< run to engine: the newest tool pose
-  kFrame = 4,    ///< engine to run: the frame that this pose made
+  kFrame = 4,    ///< engine to run: the frame made for a tool pose
   kWant = 5,     ///< either way: asks for pieces of a block of bytes
-  kPiece = 6,    ///< its answer
+  kPiece = 6,    ///< answer to kWant: one piece
   kEnd = 7,      ///< run to engine: no command follows; the carved state may be asked for
   kGoodbye = 8,  ///< run to engine: the session is over
 };
@@ -34,7 +34,7 @@ struct EngineHeader {
   std::uint64_t sequence{0};  ///< counts the sender's messages of this kind
 };
 
-/// The tool pose that a frame ends at.
+/// The pose that the tool reaches at the end of a frame.
 struct EngineCommand {
   simulation::ToolCommand command;
   double dt_s{-1.0};  ///< time in which the bone can give way; negative: the time since the command before

@@ -30,11 +30,13 @@ struct alignas(64) SharedMessage {
 ///
 /// Writer: one SlotWriter; reader: one SlotReader. Memory order: both exchange with acquire and release.
 struct SharedSlot {
-  static constexpr std::uint8_t kIndex = 3, kFresh = 4;
+  static constexpr std::uint8_t kIndex = 3;  ///< mask of the index in `middle`
+  static constexpr std::uint8_t kFresh = 4;  ///< bit in `middle`: the reader does not have this message yet
   std::array<SharedMessage, 3> messages;
   alignas(64) std::atomic<std::uint8_t> middle;  ///< 1 at the beginning
 };
 
+/// The writer of a SharedSlot.
 class SlotWriter {
  public:
   explicit SlotWriter(SharedSlot& slot) : slot_(slot) {}
@@ -53,6 +55,7 @@ class SlotWriter {
   std::uint8_t back_{0};
 };
 
+/// The reader of a SharedSlot.
 class SlotReader {
  public:
   explicit SlotReader(SharedSlot& slot) : slot_(slot) {}
@@ -66,6 +69,7 @@ class SlotReader {
     return true;
   }
 
+  /// Copies a message out; an impossible size gives an empty message.
   static void Copy(const SharedMessage& from, EngineBytes& to) OSTEON_RT {
     const std::uint32_t size = from.size;
     to.size = size <= to.bytes.size() ? size : 0;
@@ -77,7 +81,7 @@ class SlotReader {
   std::uint8_t front_{2};
 };
 
-/// All frames in their order, from one writer to one reader; a full ring refuses a message. Memory order:
+/// Passes every frame, in order, from one writer to one reader; a full ring refuses a frame. Memory order:
 /// the writer releases `written`, the reader releases `read`.
 struct SharedRing {
   static constexpr std::size_t kMessages = 1024;  // 1 s at 1000 frames/s
@@ -85,6 +89,7 @@ struct SharedRing {
   alignas(64) std::atomic<std::uint64_t> written;
   alignas(64) std::atomic<std::uint64_t> read;
 
+  /// False if the ring is full.
   bool Push(const EngineBytes& message) OSTEON_RT {
     const std::uint64_t at = written.load(std::memory_order_relaxed);
     if (at - read.load(std::memory_order_acquire) >= kMessages) return false;
@@ -113,8 +118,8 @@ struct SharedEngine {
   std::uint32_t version;      ///< kEngineVersion
   std::uint64_t session;
   alignas(64) std::atomic<SharedState> run, engine;
-  SharedSlot commands, models;
-  SharedRing frames;
+  SharedSlot commands, models;  ///< newest command, and newest frame
+  SharedRing frames;            ///< every frame
   std::array<char, 64> engine_name;
   std::array<char, 256> device;
   std::array<char, 512> error;  ///< why the engine failed

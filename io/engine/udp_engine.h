@@ -30,7 +30,14 @@ inline constexpr rt::Nanoseconds kRunSilence = 5 * rt::kSecond;
 inline constexpr rt::Nanoseconds kGreetEvery = 100 * rt::kMillisecond;
 
 /// The state of an engine toward a run, as its welcome tells it.
-enum class EngineProgress : std::uint8_t { kTakesSetup, kMakes, kRuns, kCarved, kBusy, kRefused };
+enum class EngineProgress : std::uint8_t {
+  kTakesSetup,  ///< the run's set-up is being received
+  kMakes,       ///< the engine is being made
+  kRuns,
+  kCarved,   ///< ended: the carved state can be fetched
+  kBusy,     ///< serves another run
+  kRefused,  ///< the token is wrong, or the engine could not be made
+};
 
 struct UdpEngineParams {
   std::string address;
@@ -40,7 +47,7 @@ struct UdpEngineParams {
   rt::Nanoseconds ready_within{120 * rt::kSecond};  ///< longest wait until the engine is made
 };
 
-/// The run's end. Servo thread: Load and Store; the other thread receives.
+/// The run's side. The servo thread calls Load and Store; one other thread receives.
 class UdpEngineClient final : public EngineClient {
  public:
   /// Greets the engine's process, sends the set-up, and waits until the engine is made. The error says what
@@ -63,11 +70,13 @@ class UdpEngineClient final : public EngineClient {
 
  private:
   UdpEngineClient(int socket, const UdpEngineParams& params, std::span<const std::uint8_t> setup);
+  // The engine's answer to a greeting.
   struct Welcome {
     EngineProgress progress{EngineProgress::kRefused};
     std::uint64_t carved_bytes{0};
     std::string engine, device, error;
   };
+  // Greets until the engine runs, sending it the set-up. Returns an empty string, or the error.
   [[nodiscard]] std::string Greet();
   void SendHello();
   void SendBytes(const EngineBytes& bytes) OSTEON_RT;
@@ -79,7 +88,9 @@ class UdpEngineClient final : public EngineClient {
   int socket_;
   UdpEngineParams params_;
   std::vector<std::uint8_t> setup_;
-  std::uint64_t session_{0}, sent_{0}, greeted_{0}, asked_{0}, next_frame_{1};
+  std::uint64_t session_{0};                       // 0: no welcome yet
+  std::uint64_t sent_{0}, greeted_{0}, asked_{0};  // commands, greetings and pieces sent
+  std::uint64_t next_frame_{1};                    // number of the frame expected next
   rt::Nanoseconds last_stamp_{0}, hello_at_{0};
   EngineBytes command_bytes_;
   std::array<std::uint8_t, kEngineMaxMessage + 1> in_;
@@ -94,7 +105,7 @@ struct UdpServerParams {
   std::string token{};    ///< that a greeting must carry; empty: any greeting is accepted
 };
 
-/// The engine's end.
+/// The engine's side.
 class UdpEngineServer final : public EngineServer {
  public:
   [[nodiscard]] static tl::expected<std::unique_ptr<UdpEngineServer>, std::string> Open(
@@ -120,9 +131,12 @@ class UdpEngineServer final : public EngineServer {
 
  private:
   explicit UdpEngineServer(int socket, std::uint16_t port, std::string token);
+  // Kind of a message received; a greeting is already answered.
   enum class Heard : std::uint8_t { kNothing, kHello, kCommand, kWant, kPiece, kEnd, kGoodbye };
   Heard Receive(rt::Nanoseconds deadline, EngineHeader& header, std::span<const std::uint8_t>& content);
+  // Whether the sender is the present run.
   [[nodiscard]] bool IsPeer(const sockaddr_in& sender) const;
+  // Checks a greeting, begins a session if none is open, and answers with a welcome.
   void AnswerHello(std::span<const std::uint8_t> content, const sockaddr_in& sender);
   void SendWelcome(const sockaddr_in& to, EngineProgress progress, std::uint64_t session);
   void SendBytes(const EngineBytes& bytes, const sockaddr_in& to);
@@ -131,8 +145,10 @@ class UdpEngineServer final : public EngineServer {
   std::uint16_t port_;
   std::string token_;
   std::optional<sockaddr_in> peer_;
-  rt::Nanoseconds heard_{0};
-  std::uint64_t session_{0}, made_{0}, last_command_{0}, sent_{0};
+  rt::Nanoseconds heard_{0};                 // time of the run's last message
+  std::uint64_t session_{0};                 // 0: no run
+  std::uint64_t made_{0}, last_command_{0};  // frames made; number of the newest command
+  std::uint64_t sent_{0};                    // messages sent other than frames
   EngineProgress progress_{EngineProgress::kTakesSetup};
   std::optional<BlockReceiver> setup_;
   std::vector<std::uint8_t> carved_;

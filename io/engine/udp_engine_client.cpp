@@ -12,11 +12,14 @@
 namespace osteon::io {
 namespace {
 
+// Longest wait for a message before what is due is sent again.
 constexpr rt::Nanoseconds kReceiveSlice = 10 * rt::kMillisecond;
+// Interval at which the end is told to the engine until it answers.
 constexpr rt::Nanoseconds kEndEvery = 50 * rt::kMillisecond;
 constexpr int kGoodbyes = 3;  // copies of the goodbye: if all are lost, the engine waits for kRunSilence
 
-std::string TakeText(ByteReader& reader) {
+// Reads a text after its length; control characters become blanks, as the text will be printed.
+std::string ReadText(ByteReader& reader) {
   const auto size = reader.Get<std::uint16_t>();
   const auto bytes = reader.GetBytes(size);
   std::string text(bytes.begin(), bytes.end());
@@ -29,14 +32,14 @@ std::string TakeText(ByteReader& reader) {
 
 tl::expected<std::unique_ptr<UdpEngineClient>, std::string> UdpEngineClient::Connect(
     const UdpEngineParams& params, std::span<const std::uint8_t> setup) {
-  const auto there = Ipv4("engine", params.address, params.port);
-  if (!there) return tl::make_unexpected(there.error());
+  const auto server = Ipv4("engine", params.address, params.port);
+  if (!server) return tl::make_unexpected(server.error());
   const bool loopback = params.address.starts_with("127.");
   const auto bound = BindUdp("engine", loopback ? "127.0.0.1" : "0.0.0.0", 0);
   if (!bound) return tl::make_unexpected(bound.error());
   std::unique_ptr<UdpEngineClient> client(new UdpEngineClient(bound->socket, params, setup));
   // A connected socket receives from nobody else.
-  if (connect(bound->socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) != 0)
+  if (connect(bound->socket, reinterpret_cast<const sockaddr*>(&*server), sizeof *server) != 0)
     return tl::make_unexpected(
         fmt::format("{}:{}: cannot be reached: {}", params.address, params.port, SystemReason(errno)));
   if (std::string wrong = client->Greet(); !wrong.empty())
@@ -81,9 +84,9 @@ std::optional<UdpEngineClient::Welcome> UdpEngineClient::DecodeWelcome(
   Welcome welcome;
   reader.Get(welcome.progress);
   reader.Get(welcome.carved_bytes);
-  welcome.engine = TakeText(reader);
-  welcome.device = TakeText(reader);
-  welcome.error = TakeText(reader);
+  welcome.engine = ReadText(reader);
+  welcome.device = ReadText(reader);
+  welcome.error = ReadText(reader);
   if (!reader.ok() || reader.left() > 0 || welcome.progress > EngineProgress::kRefused ||
       welcome.carved_bytes > kMaxBlockBytes)
     return std::nullopt;
@@ -122,6 +125,7 @@ std::string UdpEngineClient::Greet() {
     EngineHeader header;
     std::span<const std::uint8_t> content;
     if (!Receive(now + kReceiveSlice, header, content)) continue;
+    // the engine asks for pieces of the set-up
     if (header.kind == EngineMessage::kWant && session_ != 0) {
       if (const auto want = DecodeWant(content); want && want->block == EngineBlock::kSetup)
         AnswerWant(*want, setup_, [&](std::span<const std::uint8_t> piece) {
@@ -184,7 +188,7 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
 tl::expected<std::vector<std::uint8_t>, std::string> UdpEngineClient::FetchCarved(rt::Nanoseconds deadline) {
   std::optional<BlockReceiver> carved;
   rt::Nanoseconds asked_at = 0;
-  std::uint64_t questions = 0;
+  std::uint64_t questions = 0;  // messages that this function has sent
   EngineBytes bytes;
   while (!carved || !carved->complete()) {
     const rt::Nanoseconds now = rt::MonotonicNow();

@@ -13,7 +13,8 @@ namespace {
 constexpr int kMaxAtOnce = 256;        // datagrams read in one call, so that a flood cannot hold it up
 constexpr std::size_t kMaxText = 300;  // longest name or error text in a welcome, in bytes
 
-// Compares two texts. For texts of equal length it takes the same time wherever they differ.
+// Whether two texts are equal. The time does not tell where texts of equal length differ, so a token cannot
+// be guessed byte by byte.
 bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0u : 1u;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
@@ -21,12 +22,14 @@ bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   return difference == 0;
 }
 
+// Writes a text, cut to kMaxText, after its length.
 void PutText(ByteWriter& writer, const std::string& text) {
   const std::string cut = text.substr(0, kMaxText);
   writer.Put(static_cast<std::uint16_t>(cut.size()));
   writer.PutBytes({reinterpret_cast<const std::uint8_t*>(cut.data()), cut.size()});
 }
 
+// A random number other than 0; the time if the system has no random numbers.
 std::uint64_t NewSession() {
   std::uint64_t session = 0;
   while (session == 0)
@@ -186,7 +189,7 @@ void UdpEngineServer::SetFailed(const std::string& why) {
 }
 
 EngineEvent UdpEngineServer::Await(EngineCommand& command, rt::Nanoseconds deadline) {
-  bool newer = false;
+  bool newer = false;  // a command has come; read on, since a newer one may wait
   for (;;) {
     EngineHeader header;
     std::span<const std::uint8_t> content;

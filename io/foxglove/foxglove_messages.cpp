@@ -14,6 +14,8 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // Width and length of an arrow's head, in diameters of its shaft.
 constexpr double kHeadWidth = 2.0, kHeadLength = 3.0;
 
+// Fill copies a value into a message of Foxglove's schemas.
+
 void Fill(rt::Nanoseconds stamp, google::protobuf::Timestamp* to) {
   const std::int64_t time = std::max<std::int64_t>(0, stamp);  // MCAP has no times before zero
   to->set_seconds(time / kSecond_ns);
@@ -45,7 +47,7 @@ void Fill(const SceneColor& from, foxglove::Color* to) {
   to->set_a(from.a);
 }
 
-// Returns a pose at `place` whose z axis points along a vector; a vector without length gives no rotation.
+// A pose at `place` whose z axis points along a vector; the vector zero gives no rotation.
 Pose ZAlong(const Vector3& place, const Vector3& along) {
   Pose X = Pose::Identity();
   X.translation() = place;
@@ -61,6 +63,8 @@ Pose XAlong(const Vector3& place, const Vector3& along) {
   if (along.norm() > 0.0) X.linear() = X.linear() * z_from_x;
   return X;
 }
+
+// Add appends a part to an entity.
 
 void Add(const SceneBall& ball, foxglove::SceneEntity& to) {
   foxglove::SpherePrimitive* sphere = to.add_spheres();
@@ -118,6 +122,7 @@ void Add(const SceneMesh& mesh, foxglove::SceneEntity& to) {
 std::string FoxgloveDescriptorSet() {
   google::protobuf::FileDescriptorSet set;
   const google::protobuf::FileDescriptor* file = foxglove::SceneUpdate::descriptor()->file();
+  // dependencies first, as a FileDescriptorSet requires
   for (int i = 0; i < file->dependency_count(); ++i) file->dependency(i)->CopyTo(set.add_file());
   file->CopyTo(set.add_file());
   return set.SerializeAsString();

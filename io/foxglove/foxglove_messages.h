@@ -8,7 +8,8 @@
 #include "base/clock.h"
 #include "kinematics/spatial.h"
 
-// A cell in Foxglove's own schemas (foxglove.proto), which Foxglove and Lichtblick draw without any set-up.
+// Encodes a cell's 3D view in Foxglove's own schemas (foxglove.proto), which Foxglove and Lichtblick draw
+// without any set-up.
 
 namespace osteon::io {
 
@@ -34,7 +35,7 @@ struct SceneArrow {
   SceneColor color;
 };
 struct SceneBox {
-  Pose X_FB{Pose::Identity()};  ///< of its centre
+  Pose X_FB{Pose::Identity()};  ///< of the box's centre in the entity's frame
   Vector3 edges_m{Vector3::Zero()};
   SceneColor color;
 };
@@ -47,7 +48,7 @@ struct SceneMesh {
 /// Parts that are replaced together: an entity replaces the earlier one with the same id.
 struct SceneEntity {
   std::string id;
-  std::string frame;  ///< it moves with this frame
+  std::string frame;  ///< the entity's parts move with this frame
   std::vector<SceneBall> balls{};
   std::vector<SceneRod> rods{};
   std::vector<SceneArrow> arrows{};
@@ -55,12 +56,13 @@ struct SceneEntity {
   SceneMesh mesh{};
 };
 
-/// The pose of a frame in its parent frame.
+/// A frame's pose in its parent frame.
 struct FramePlace {
   std::string parent, child;
   Pose X_PC{Pose::Identity()};
 };
 
+/// Foxglove's numbers.
 enum class LogLevel : std::uint8_t { kInfo = 2, kWarning = 3, kError = 4 };
 
 /// Serialised google.protobuf.FileDescriptorSet that holds every foxglove schema here and what it imports.
@@ -70,7 +72,7 @@ enum class LogLevel : std::uint8_t { kInfo = 2, kWarning = 3, kError = 4 };
 
 /// foxglove.FrameTransforms
 void EncodeFrames(rt::Nanoseconds stamp, std::span<const FramePlace> frames, std::string& bytes);
-/// foxglove.SceneUpdate. @param all  first remove everything that the topic showed before
+/// foxglove.SceneUpdate. @param all  first remove every entity that the topic showed before
 void EncodeScene(rt::Nanoseconds stamp, std::span<const SceneEntity> entities, bool all, std::string& bytes);
 /// foxglove.JointStates; the joints are joint_1, … @param q_rad  positions
 void EncodeJoints(rt::Nanoseconds stamp, std::span<const double> q_rad, std::string& bytes);

@@ -13,6 +13,7 @@ namespace {
 using control::CommandMode;
 using control::SessionState;
 
+// FRI's limits of the send period [ms] and the receive multiplier.
 constexpr std::uint32_t kMaxPeriodMs = 100, kMaxMultiplier = 100;
 
 // Finds the bare message inside a datagram of the family.
@@ -32,7 +33,7 @@ CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
   return CodecError::kMalformed;
 }
 
-// @param[out] wire  must be default-constructed
+// Reads a bare monitoring message, and checks its identifier. @param[out] wire  must be default-constructed
 CodecError Parse(std::span<const std::uint8_t> body, WireMonitoring& wire) OSTEON_RT {
   if (!ReadMonitoring(body, wire)) return CodecError::kMalformed;
   return wire.header.id == kFriMonitoringId ? CodecError::kNone : CodecError::kWrongId;
@@ -88,7 +89,7 @@ std::optional<FriFamily> DetectFamily(std::span<const std::uint8_t> datagram) OS
 
 namespace {
 
-// Parses the bytes; if that fails, checks whether another version could read them.
+// Parses a datagram, with its frame. A datagram of another family gives kOtherVersion.
 CodecError ReadWire(FriFamily family, std::span<const std::uint8_t> datagram,
                     WireMonitoring& wire) OSTEON_RT {
   std::span<const std::uint8_t> body;
@@ -184,11 +185,11 @@ bool IsMonitoringMessage(FriFamily family, std::span<const std::uint8_t> datagra
 
 CodecError EncodeCommand(FriFamily family, const CommandMessage& message, std::span<std::uint8_t> buffer,
                          std::size_t& size) OSTEON_RT {
-  // the protobuf, at its position in the frame
+  // write the protobuf at the position that it has in the frame
   const bool framed = family == FriFamily::k2_7;
-  const std::size_t head = framed ? kFriFrameHead : 0, around = framed ? head + kFriFrameTail : 0;
+  const std::size_t head = framed ? kFriFrameHead : 0, frame_bytes = framed ? head + kFriFrameTail : 0;
   const std::size_t room = std::min(buffer.size(), kFriMaxDatagram);
-  ProtoWriter out(room < around ? std::span<std::uint8_t>() : buffer.subspan(head, room - around));
+  ProtoWriter out(room < frame_bytes ? std::span<std::uint8_t>() : buffer.subspan(head, room - frame_bytes));
   if (!WriteCommand(family, message, out)) return CodecError::kNotFinite;
   if (!out.ok()) return CodecError::kNoSpace;
   size = framed ? Frame(buffer, out.size()) : out.size();

@@ -7,8 +7,9 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kLongest = 1500;
-constexpr std::uint32_t kCommandId = 0x34001;
+constexpr std::size_t kMaxDatagram = 1500;     // [bytes]
+constexpr std::uint32_t kCommandId = 0x34001;  // of a command in its header
+// Protobuf's wire types.
 constexpr std::uint32_t kVarint = 0, kFixed64 = 1, kBytes = 2;
 
 using Bytes = std::span<const std::uint8_t>;
@@ -28,6 +29,7 @@ class Fields {
     good_ &= key <= UINT32_MAX && number > 0;
     return good_;
   }
+  // Varint, Double and Part read the value of the present field.
   std::uint64_t Varint() OSTEON_RT {
     std::uint64_t value = 0;
     for (unsigned shift = 0; shift < 64 && !rest_.empty(); shift += 7) {
@@ -49,6 +51,7 @@ class Fields {
     rest_ = rest_.subspan(8);
     return std::bit_cast<double>(bits);
   }
+  // A string, bytes, a nested message or packed numbers: the bytes after their length.
   Bytes Part() OSTEON_RT {
     const std::uint64_t size = Varint();
     if (!good_ || size > rest_.size()) {
@@ -68,6 +71,7 @@ class Fields {
 /// Field numbers seen so far: a repeated field is refused.
 class SeenFields {
  public:
+  // Notes a field; false if it was seen before.
   bool operator()(std::uint32_t number) OSTEON_RT {
     const std::uint32_t bit = number < 32 ? 1u << number : 0u;
     const bool first = bit != 0 && (seen_ & bit) == 0;
@@ -80,7 +84,7 @@ class SeenFields {
   std::uint32_t seen_{0};
 };
 
-// Exactly N doubles of field 1, packed or not.
+// Reads a message with exactly N doubles in field 1, packed or not. False if it has anything else.
 template <std::size_t N>
 bool ReadDoubles(Bytes bytes, std::optional<std::array<double, N>>& values) OSTEON_RT {
   std::array<double, N> read{};
@@ -107,6 +111,7 @@ bool ReadDoubles(Bytes bytes, std::optional<std::array<double, N>>& values) OSTE
   return true;
 }
 
+// Reads the header: identifier (1), sequence (2) and reflected sequence (3), all required.
 bool ReadHeader(Bytes bytes, FriReadCommand& command) OSTEON_RT {
   Fields fields(bytes);
   SeenFields seen;
@@ -121,7 +126,8 @@ bool ReadHeader(Bytes bytes, FriReadCommand& command) OSTEON_RT {
          sequence <= UINT32_MAX && reflected <= UINT32_MAX;
 }
 
-// Frames and outputs for the robot's program (4, 5) may come several times; they move no joint.
+// Reads the command's data: joints (1), wrench (2), torques (3), pose (6) and redundancy (7). Frames and
+// outputs for the robot's program (4, 5) are skipped, and may come several times: they move no joint.
 bool ReadData(FriFamily family, Bytes bytes, FriReadCommand& command) OSTEON_RT {
   Fields fields(bytes);
   SeenFields seen;
@@ -157,7 +163,7 @@ bool ReadData(FriFamily family, Bytes bytes, FriReadCommand& command) OSTEON_RT 
 }  // namespace
 
 FriCommandError ReadCommand(FriFamily family, Bytes datagram, FriReadCommand& command) OSTEON_RT {
-  if (datagram.size() > kLongest) return FriCommandError::kMalformed;
+  if (datagram.size() > kMaxDatagram) return FriCommandError::kMalformed;
   Bytes body = datagram;
   if (family == FriFamily::k2_7) {
     const FrameError frame = Unframe(datagram, body);
@@ -167,6 +173,7 @@ FriCommandError ReadCommand(FriFamily family, Bytes datagram, FriReadCommand& co
   FriReadCommand read;
   Fields fields(body);
   SeenFields seen;
+  // fields of a command: header (1), data (2), and before 2.7 its end (15)
   for (std::uint32_t number = 0, type = 0; fields.Next(number, type);) {
     if (type != kBytes || !seen(number)) return FriCommandError::kMalformed;
     const Bytes part = fields.Part();

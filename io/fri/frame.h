@@ -15,7 +15,7 @@
 
 namespace osteon::io {
 
-inline constexpr std::size_t kFriFrameHead = 4, kFriFrameTail = 4;
+inline constexpr std::size_t kFriFrameHead = 4, kFriFrameTail = 4;  ///< bytes of length and CRC-32
 
 enum class FrameError : std::uint8_t {
   kNone = 0,
@@ -23,7 +23,7 @@ enum class FrameError : std::uint8_t {
   kChecksum,   ///< the length matches, but the CRC does not
 };
 
-/// The protobuf inside; `body` is changed only on kNone.
+/// Checks the frame and finds the protobuf inside. `body` is changed only on kNone.
 [[nodiscard]] FrameError Unframe(std::span<const std::uint8_t> datagram,
                                  std::span<const std::uint8_t>& body) OSTEON_RT;
 

@@ -48,8 +48,8 @@ class FriLink final : public control::ArmLink {
   /// The bound port.
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
-  /// Outputs, the last message in full, and what keeps the arm from being commanded; from the link's thread
-  /// only.
+  /// The session: the arm's last message in full, and what keeps the arm from being commanded. For the link's
+  /// thread only.
   [[nodiscard]] FriSession& session() { return session_; }
   [[nodiscard]] const FriSession& session() const { return session_; }
 

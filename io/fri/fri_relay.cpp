@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxAtOnce = 64;  // datagrams read in one call, so that a flood cannot hold it up
 
+// The guard's name for an FRI session state.
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
     case control::SessionState::kIdle:
@@ -31,6 +32,7 @@ safety::GuardSession SessionOf(control::SessionState state) {
 
 }  // namespace
 
+// Relays each valid message of the arm to the controller.
 struct FriRelay::Judge {
   FriRelay& relay;
 

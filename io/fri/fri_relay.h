@@ -30,11 +30,11 @@ struct FriRelayCounters {
   std::uint64_t undelivered{0};  ///< the system did not accept it, or nobody listens
 };
 
-/// Relays an FRI session's datagrams between arm and controller, bit for bit, as far as a GuardMonitor lets
-/// them pass. FRI speaks to one peer only, so a supervisor must stand in the line.
+/// Relays an FRI session's datagrams between arm and controller, unchanged, if a GuardMonitor lets them pass.
+/// An arm speaks to one FRI peer only, so a supervisor must stand between the two.
 ///
 ///     arm ──▶ arm_port ──▶ (a port of ours) ──▶ controller_port
-///     arm ◀── arm_port ◀── monitor ◀── the same ◀── controller_port
+///     arm ◀── arm_port ◀── monitor ◀── (that port) ◀── controller_port
 ///
 /// The arm is the first sender of a valid message, as for FriLink; on the other side only datagrams from the
 /// controller's address and port are read. Waiting answers are handled before waiting messages; otherwise a
@@ -63,11 +63,15 @@ class FriRelay {
            safety::GuardMonitor& monitor)
       : arm_(arm, from), controller_(controller), family_(family), monitor_(monitor) {}
 
+  // Shows the arm's message to the monitor, and sends it to the controller if it may pass. False if it cannot
+  // be read.
   bool RelayMessage(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
+  // Relays the controller's waiting answers. False if the socket is gone.
   bool ReceiveAnswers() OSTEON_RT;
+  // Shows the controller's answer to the monitor, and sends it to the arm if it may pass.
   void RelayAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
 
-  struct Judge;  // UdpPeer's protocol interface
+  struct Judge;  // implements UdpPeer's protocol interface
 
   UdpPeer<kFriMaxDatagram + 1> arm_;  // one more, to detect oversized datagrams
   int controller_;                    // connected, so nobody else is heard

@@ -10,7 +10,7 @@ using control::CommandMode;
 using control::JointArray;
 using control::SessionState;
 
-constexpr std::int32_t kWindow = 64;  // number of counters that seen_ remembers
+constexpr std::int32_t kWindow = 64;  // number of the arm's newest message counters that seen_ remembers
 
 bool IsFinite(const JointArray& q) OSTEON_RT {
   return std::all_of(q.begin(), q.end(), [](double joint) { return std::isfinite(joint); });
@@ -18,12 +18,14 @@ bool IsFinite(const JointArray& q) OSTEON_RT {
 
 bool IsFinite(const PlainWrench& F) OSTEON_RT { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
+// Whether each joint of a is within bound_rad of that of b; false for NaN.
 bool AreClose(const JointArray& a, const JointArray& b, double bound_rad) OSTEON_RT {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (!(std::abs(a[i] - b[i]) <= bound_rad)) return false;
   return true;
 }
 
+// A wrench in the order of the wire: force [N], then torques [N·m].
 std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_RT {
   if (order == FriTorqueOrder::kXyz) return {F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
   return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
@@ -97,15 +99,15 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     BeginSession();
     return FriAccept::kAccepted;
   }
-  if (step > 0) {
+  if (step > 0) {  // newer than all before
     const auto ahead = static_cast<std::uint32_t>(step);
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
     due_ += ahead;
-    if (step >= kWindow) active_ = false;  // it may have left COMMANDING_ACTIVE and returned unnoticed
+    if (step >= kWindow) active_ = false;  // the arm may have left COMMANDING_ACTIVE and returned unnoticed
     return FriAccept::kAccepted;
   }
-  if (step > -kWindow) {
+  if (step > -kWindow) {  // older, and still remembered in seen_
     const std::uint64_t bit = std::uint64_t{1} << -step;
     if (seen_ & bit) {
       ++counters_.duplicate;
@@ -119,21 +121,22 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
 }
 
 void FriSession::BeginSession() OSTEON_RT {
-  held_.reset();  // the position was sent to another arm, or to this one before it moved by itself
+  held_.reset();  // that position is of another session: the arm may stand elsewhere now
   first_answer_ = command_sequence_;
   any_reflected_ = active_ = false;
 }
 
 // The arm reflects the newest of this session's answers that it has received.
 void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
-  const std::uint32_t at = message.reflected_sequence - first_answer_;
-  // no answer of this session: the arm has received none yet, or another client's
-  if (at >= command_sequence_ - first_answer_) {
+  // which of this session's answers the arm reflects, counted from 0
+  const std::uint32_t index = message.reflected_sequence - first_answer_;
+  // not an answer of this session: the arm has received none yet, or has received another client's
+  if (index >= command_sequence_ - first_answer_) {
     if (any_reflected_) ++counters_.answers_foreign;
     return;
   }
-  const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : at + 1;
-  if (step > at + 1) {  // an older answer than the one reflected before
+  const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : index + 1;
+  if (step > index + 1) {  // an older answer than the one reflected before
     ++counters_.answers_foreign;
     return;
   }

@@ -34,8 +34,8 @@ struct FriSessionParams {
   double entry_step_rad{0.02};
 };
 
-/// The client's side of an FRI session without the socket: FriLink drives it in wall time, memory in virtual
-/// time.
+/// The client's side of an FRI session without the socket. In wall time FriLink carries the datagrams; in
+/// virtual time they are passed in memory.
 ///
 /// **Counters** are compared modulo 2^32. A gap counts as lost until the missing message arrives; the last 64
 /// counters are remembered to tell reordered messages from duplicates. A counter further back belongs to a
@@ -95,11 +95,17 @@ class FriSession {
   [[nodiscard]] std::string Diagnosis() const;
 
  private:
+  // Compares the message's counter with those before, and counts lost, repeated and reordered messages.
   FriAccept CheckSequence(const MonitoringMessage& message) OSTEON_RT;
+  // Counts lost and foreign answers by the counter that the arm reflects.
   void CheckReflected(const MonitoringMessage& message) OSTEON_RT;
+  // Begins to hold the interpolator's position when COMMANDING_ACTIVE begins.
   void CheckActivation(const MonitoringMessage& message) OSTEON_RT;
   void BeginSession() OSTEON_RT;
+  // Whether a command may be followed: it names this activation, is finite, and the first one starts near the
+  // interpolator's position.
   [[nodiscard]] bool AcceptCommand(const control::ArmCommand& command) OSTEON_RT;
+  // Fills in the joints, wrench, torques or pose that the session state and command mode require.
   void PutMotion(const control::ArmCommand& command, CommandMessage& answer) OSTEON_RT;
   void PutCounters(control::ArmState& state) const OSTEON_RT;
 
@@ -128,9 +134,9 @@ class FriSession {
   std::optional<control::JointArray> held_;  // position last sent in this session
 
   // handing over
-  std::uint32_t activation_{0};
-  bool active_{false};
-  bool holding_{false};
+  std::uint32_t activation_{0};  // number of the present COMMANDING_ACTIVE
+  bool active_{false};           // the last message was COMMANDING_ACTIVE
+  bool holding_{false};          // until a command of this activation is accepted
 
   std::array<std::uint8_t, kFriMaxDatagram> buffer_{};
 };

@@ -24,6 +24,7 @@ enum class FriOverlay : std::uint8_t { kNone = 0, kJoint = 1, kCartesian = 2 };
 enum class FriIoType : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
 enum class FriIoDirection : std::uint8_t { kInput = 0, kOutput = 1 };
 
+/// Most transformations, and most inputs and outputs, in a message.
 inline constexpr std::size_t kFriMaxTransformations = 5, kFriMaxIos = 10;
 
 /// The arm's clock.
@@ -32,7 +33,7 @@ struct FriTime {
   bool operator==(const FriTime&) const = default;
 };
 
-/// A name within the wire's bounds: at most 63 characters, none of them NUL. From the arm it may be any
+/// A name as FRI bounds it: at most 63 characters, none of them NUL. A name from the arm may have any other
 /// bytes.
 class FriName {
  public:
@@ -43,6 +44,7 @@ class FriName {
       : length_(std::min({name.size(), name.find('\0'), kMaxLength})) {
     for (std::size_t i = 0; i < length_; ++i) text_[i] = name[i];
   }
+  /// Whether a name needs no cut.
   [[nodiscard]] static constexpr bool Fits(std::string_view name) noexcept {
     return name.size() <= kMaxLength && name.find('\0') == std::string_view::npos;
   }

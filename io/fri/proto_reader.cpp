@@ -8,7 +8,7 @@ namespace osteon::io {
 namespace {
 
 constexpr std::uint64_t kMax32 = std::numeric_limits<std::uint32_t>::max();
-constexpr std::ptrdiff_t kMaxBytes32 = 5;  // of a varint of 32 bits
+constexpr std::ptrdiff_t kMaxBytes32 = 5;  // longest varint of 32 bits
 
 static_assert(std::endian::native == std::endian::little, "doubles are copied as they lie on the wire");
 
@@ -57,6 +57,7 @@ std::uint32_t ProtoReader::Uint32() OSTEON_RT {
 
 std::uint32_t ProtoReader::EnumValue() OSTEON_RT {
   const std::uint64_t value = Varint();
+  // a negative enum is written with its sign extended to 64 bits
   const auto narrow = static_cast<std::uint32_t>(value);
   const auto extended = static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(narrow)});
   if (value != narrow && value != extended) Fail();
@@ -117,7 +118,7 @@ void ProtoReader::AppendDoubles(double* to, std::size_t room, std::size_t& count
     const double value = Double();
     if (count == room) return Fail();
     to[count++] = value;
-    // the other elements, which nearly always follow directly, each with this tag in one byte
+    // the elements after the first nearly always follow directly, each with this tag in one byte
     for (; count < room && left() > sizeof value && *at_ == tag_; at_ += 1 + sizeof value)
       std::memcpy(to + count++, at_ + 1, sizeof value);
     return;

@@ -34,6 +34,7 @@ class ProtoReader {
   [[nodiscard]] bool Next() OSTEON_RT;
   [[nodiscard]] std::uint32_t number() const OSTEON_RT { return tag_ >> 3; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
+  /// Ends the reading with an error.
   void Fail() OSTEON_RT {
     ok_ = false;
     at_ = end_;
@@ -72,7 +73,9 @@ class ProtoReader {
   enum WireType : std::uint8_t { kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5 };  // 3 and 4: groups
 
   [[nodiscard]] WireType type() const OSTEON_RT { return static_cast<WireType>(tag_ & 7u); }
+  // Fails if the present field has another wire type.
   bool Expect(WireType type) OSTEON_RT;
+  // These read a value without looking at the field's wire type.
   std::uint64_t Varint() OSTEON_RT;
   std::uint32_t TagOrLength() OSTEON_RT;
   std::uint32_t EnumValue() OSTEON_RT;

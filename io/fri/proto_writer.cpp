@@ -10,10 +10,12 @@ constexpr std::uint32_t kVarint = 0, kFixed64 = 1, kBytes = 2;  // wire types
 
 static_assert(std::endian::native == std::endian::little, "doubles are copied as they lie on the wire");
 
+// The number that precedes a field's value.
 constexpr std::uint64_t Tag(std::uint32_t number, std::uint32_t type) OSTEON_RT {
   return std::uint64_t{number} << 3 | type;
 }
 
+// Bytes that the value takes as a varint.
 std::size_t VarintSize(std::uint64_t value) OSTEON_RT {
   std::size_t size = 1;
   for (; value >= 0x80; value >>= 7) ++size;

@@ -25,7 +25,7 @@ class ProtoWriter {
  public:
   explicit ProtoWriter(std::span<std::uint8_t> buffer) OSTEON_RT : buffer_(buffer) {}
 
-  /// Any unsigned integer or enum.
+  /// A field of an unsigned integer or enum.
   void Varint(std::uint32_t number, std::uint64_t value) OSTEON_RT;
   void Double(std::uint32_t number, double value) OSTEON_RT;
   void Text(std::uint32_t number, std::string_view text) OSTEON_RT;

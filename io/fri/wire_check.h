@@ -18,6 +18,7 @@ class WireCheck {
   }
   void CheckFinite(double value) OSTEON_RT;
 
+  /// Reads an enum; a number above `largest` is an error. An absent field leaves `value` unchanged.
   template <class E>
   void ReadEnum(std::optional<std::uint32_t> wire, E largest, E& value) OSTEON_RT {
     if (!wire) return;
@@ -46,6 +47,7 @@ class WireCheck {
   CodecError error_{CodecError::kNone};
 };
 
+/// Empty if the message has no time.
 [[nodiscard]] std::optional<FriTime> ReadTime(const std::optional<WireTime>& wire) OSTEON_RT;
 
 }  // namespace osteon::io

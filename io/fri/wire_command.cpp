@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// All except PutTime return false if a value is not finite.
+// Each writes a field of the given number. All except PutTime return false if a value is not finite.
 
 bool PutJoints(std::uint32_t number, const control::JointArray& joints, ProtoWriter& out) OSTEON_RT {
   const std::size_t part = out.BeginMessage(number);
@@ -57,14 +57,14 @@ bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& 
   out.Varint(3, message.reflected_sequence);
   out.EndMessage(header);
 
-  const bool pose = message.X && family != FriFamily::k1;
-  if (!message.q && !message.wire_wrench && !message.tau && !pose) return true;
+  const bool has_pose = message.X && family != FriFamily::k1;
+  if (!message.q && !message.wire_wrench && !message.tau && !has_pose) return true;
   bool finite = true;
   const std::size_t data = out.BeginMessage(2);
   if (message.q) finite &= PutJoints(1, *message.q, out);
   if (message.wire_wrench) finite &= PutVector(2, *message.wire_wrench, out);
   if (message.tau) finite &= PutJoints(3, *message.tau, out);
-  if (pose) {
+  if (has_pose) {
     finite &= PutElements(6, message.X->name, message.X->element, message.X->time, out);
     if (message.X->redundancy) finite &= PutRedundancy(7, *message.X->redundancy, out);
   }

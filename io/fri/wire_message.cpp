@@ -9,7 +9,7 @@ namespace {
 
 // Read has one overload for each message of fri.proto, by its field numbers; calls nest as deep as the
 // schema.
-struct WireChecksum {};
+struct WireChecksum {};  // parts of a message that are checked, but not used
 struct WireEndOf {};
 template <std::size_t N>
 bool Read(ProtoReader in, WireArray<double, N>& wire) OSTEON_RT;

@@ -35,8 +35,8 @@ struct WireTime {
 };
 
 struct WireTransformation {
-  std::optional<std::string_view> name;  // required; in the datagram
-  WireArray<double, 12> element;
+  std::optional<std::string_view> name;  // required; points into the datagram
+  WireArray<double, 12> element;         // 12 of a 3x4 matrix (1.x), or 7: position and quaternion (2.x)
   std::optional<WireTime> time;
 };
 
@@ -46,7 +46,7 @@ struct WireRedundancy {
 };
 
 struct WireIo {
-  std::optional<std::string_view> name;          // required; in the datagram
+  std::optional<std::string_view> name;          // required; points into the datagram
   std::optional<std::uint32_t> type, direction;  // required
   std::optional<std::uint64_t> digital;
   std::optional<double> analog;
@@ -80,6 +80,7 @@ struct WireIpo {
   std::optional<double> tracking;
 };
 
+/// The whole message.
 struct WireMonitoring {
   WireHeader header;
   WireRobot robot;

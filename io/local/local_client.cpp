@@ -13,9 +13,9 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxAnswer = 1u << 20;
+constexpr std::size_t kMaxAnswer = 1u << 20;  // bytes of a server's answer
 
-// A socket whose connection is refused was left by a process that is gone.
+// Returns 0, or the errno of the failure.
 int Connect(const LocalSocket& socket, const std::filesystem::path& path) {
   const auto address = LocalAddress(path);
   if (!address) return ENAMETOOLONG;
@@ -33,9 +33,10 @@ std::vector<std::filesystem::path> FindLocalServers() {
     for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
       if (entry.path().extension() != ".sock") continue;
       const LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
-      const int refused = Connect(socket, entry.path());
-      if (refused == ECONNREFUSED) std::filesystem::remove(entry.path(), error);
-      if (refused == 0) found.push_back(entry.path());
+      const int error_number = Connect(socket, entry.path());
+      // a socket that refuses a connection was left by a process that is gone
+      if (error_number == ECONNREFUSED) std::filesystem::remove(entry.path(), error);
+      if (error_number == 0) found.push_back(entry.path());
     }
   std::ranges::sort(found);
   return found;

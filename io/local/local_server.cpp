@@ -29,17 +29,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kBacklog = 64;
+constexpr int kBacklog = 64;             // connections that may wait to be accepted
 constexpr std::size_t kMaxClients = 16;  // clients served at once; a further one replaces the oldest
 
 // A connection whose request is not complete yet.
 struct Client {
   LocalSocket socket;
   std::string received;
-  Clock::time_point until;
+  Clock::time_point until;  // the connection is closed at this time
 };
 
-// Returns the absolute path in an environment variable; empty if it is not set, or is no absolute path.
+// The absolute path in an environment variable; empty if the variable is not set, or has no absolute path.
 std::filesystem::path FolderOf(const char* variable) {
   const char* folder = std::getenv(variable);
   return folder != nullptr && folder[0] == '/' ? std::filesystem::path(folder) : std::filesystem::path();
@@ -62,6 +62,7 @@ std::string MakeFolder(const std::filesystem::path& folder, std::optional<gid_t>
   return "";
 }
 
+// Whether the process at the other end has the group as its own or as a supplementary group.
 bool IsMember(int connection, const ucred& peer, gid_t group) {
   std::array<gid_t, 1024> groups{};
   socklen_t size = sizeof groups;
@@ -100,6 +101,7 @@ class Server final : public LocalServer {
   [[nodiscard]] const std::filesystem::path& path() const override { return path_; }
 
  private:
+  // The thread: serves clients until the destructor writes into the pipe.
   void Run() {
     rt::NameThread("local socket");
     std::vector<pollfd> ready;
@@ -110,7 +112,7 @@ class Server final : public LocalServer {
         ready.push_back({.fd = client.socket.fd(), .events = POLLIN, .revents = 0});
       if (::poll(ready.data(), ready.size(), Wait_ms()) < 0 && errno != EINTR) return;
       if (ready[0].revents != 0) return;
-      std::size_t i = 2;
+      std::size_t i = 2;  // after the pipe and the listening socket
       for (auto client = clients_.begin(); client != clients_.end(); ++i) {
         const bool done = (ready[i].revents != 0 && Serve(*client)) || Clock::now() >= client->until;
         client = done ? clients_.erase(client) : std::next(client);
@@ -119,13 +121,14 @@ class Server final : public LocalServer {
     }
   }
 
-  // Time until the connection of the oldest client, the first in the list, is closed; -1: there are none.
+  // Time until the connection of the oldest client (the first in the list) is closed; -1: there is no client.
   [[nodiscard]] int Wait_ms() const {
     if (clients_.empty()) return -1;
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(clients_.front().until - Clock::now());
     return static_cast<int>(std::max<std::int64_t>(0, left.count()));
   }
 
+  // Accepts a waiting connection, unless its process may not send requests.
   void Accept() {
     LocalSocket connection(::accept4(socket_.fd(), nullptr, nullptr, SOCK_CLOEXEC));
     if (connection.fd() < 0 || !MayAsk(connection.fd(), group_)) return;
@@ -151,7 +154,8 @@ class Server final : public LocalServer {
 
   std::filesystem::path path_;
   std::optional<gid_t> group_;
-  LocalSocket socket_, wake_, woken_;
+  LocalSocket socket_;        // the listening socket
+  LocalSocket wake_, woken_;  // a pipe's end to write and to read: a byte ends the thread
   std::function<std::string(const std::string&)> answer_;
   std::list<Client> clients_;
   std::thread thread_;

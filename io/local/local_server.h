@@ -29,12 +29,12 @@ inline constexpr const char* kServiceSocketFolder = "/run/osteon";
 [[nodiscard]] std::vector<std::filesystem::path> LocalSocketFolders();
 
 /// Answers requests of other programs of the same user, of root, and of the group that may enter the sockets'
-/// folder, by a Unix socket: a connection sends one line and gets the answer's line, at most kMaxLocalRequest
-/// bytes and within a second; then the server closes it. A thread of its own answers one request after the
-/// other, so a request may take a lock, and never meets the tick.
+/// folder, by a Unix socket: a client connects, sends one line of at most kMaxLocalRequest bytes within a
+/// second, and gets one line as the answer; then the server closes the connection. A thread of its own
+/// answers one request after the other, so answering may take a lock, and never delays the tick.
 class LocalServer {
  public:
-  /// @param name  the socket's, within LocalSocketFolder(): "run-4711"
+  /// @param name  of the socket in LocalSocketFolder(), without its ending: "run-4711"
   /// @param answer  makes the answer to a request, both without their line ends. Called by the server's
   /// thread.
   /// @returns the error names the socket's path.

@@ -16,19 +16,22 @@ namespace {
 
 constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // Stop() ends a pause after at most this time
 
+// Throws std::invalid_argument unless a parameter is accepted.
 void Require(bool accepted, const char* name, double found, const char* range) {
   if (!accepted)
     throw std::invalid_argument(std::string("PLC: ") + name + ": found " + base::NumberText(found) +
                                 ", accepted " + range);
 }
 
-// Returns the next time of a periodic action. A time that was missed by more than 1 ms is not made up for.
+// The next time of a periodic action that was due at `due`. If the action is late by more than 1 ms, the
+// period counts from now on: missed times are not made up for.
 rt::Nanoseconds NextDue(rt::Nanoseconds due, rt::Nanoseconds now, int every_ms) {
   return std::max(due, now - rt::kMillisecond) + every_ms * rt::kMillisecond;
 }
 
 }  // namespace
 
+// Owns libmodbus' context; null if there was no memory.
 struct PlcClient::Connection {
   explicit Connection(const PlcClientParams& params)
       : context(modbus_new_tcp(params.address.c_str(), params.port)) {
@@ -43,6 +46,7 @@ struct PlcClient::Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  // Longest wait for an answer.
   void SetTimeout(int ms) const {
     modbus_set_response_timeout(context, static_cast<std::uint32_t>(ms / 1000),
                                 static_cast<std::uint32_t>(ms % 1000) * 1000u);
@@ -84,17 +88,17 @@ void PlcClient::Pause(rt::Nanoseconds until) {
     rt::SleepUntil(std::min(until, now + kSlice));
 }
 
-PlcClient::Answer PlcClient::NoteFailure(int error) {
+PlcClient::Answer PlcClient::CountFailure(int error) {
   reading_.last_error = error;
   if (error < MODBUS_ENOBASE) {
     if (error == ETIMEDOUT) ++reading_.counters.timeouts;
     return Answer::kNone;
   }
-  ++reading_.counters.rejected;  // error numbers of libmodbus
+  ++reading_.counters.rejected;  // the error numbers from MODBUS_ENOBASE on are those of libmodbus
   return error >= EMBXILFUN && error <= EMBXGTAR ? Answer::kException : Answer::kNonsense;
 }
 
-void PlcClient::Disconnected() {
+void PlcClient::PublishDisconnected() {
   if (reading_.link == PlcLink::kConnected) reading_.link = PlcLink::kConnecting;
   Publish();
 }
@@ -106,7 +110,7 @@ void PlcClient::Run() {
   while (!stop_.load(std::memory_order_relaxed)) {
     Connection connection(params_);
     if (Connect(connection)) {
-      const bool has_read = Exchange(connection);
+      const bool has_read = ServeConnection(connection);
       ++reading_.counters.lost;
       if (has_read) {
         pause_ms = params_.first_pause_ms;
@@ -114,16 +118,18 @@ void PlcClient::Run() {
       }
     }
     if (stop_.load(std::memory_order_relaxed)) break;
-    Disconnected();
+    PublishDisconnected();
     Pause(rt::MonotonicNow() + pause_ms * rt::kMillisecond);
     pause_ms = std::min(2 * pause_ms, params_.longest_pause_ms);
   }
-  Disconnected();
+  PublishDisconnected();
 }
 
-bool PlcClient::Exchange(Connection& connection) {
+bool PlcClient::ServeConnection(Connection& connection) {
+  // whether an answer ends the connection
   const auto ends_connection = [this](Answer answer) {
-    if (answer == Answer::kNonsense) Disconnected();  // published at once
+    if (answer == Answer::kNonsense)
+      PublishDisconnected();  // at once: the reading must not be used any longer
     return answer == Answer::kNone || answer == Answer::kNonsense;
   };
   bool has_read = false;
@@ -165,7 +171,7 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
   std::array<std::uint16_t, kPlcReadCount> block{};
   const rt::Nanoseconds asked = rt::MonotonicNow();
   if (modbus_read_registers(connection.context, kPlcFirstRead, kPlcReadCount, block.data()) != kPlcReadCount)
-    return NoteFailure(errno);
+    return CountFailure(errno);
   PlcInputs inputs;
   if (const auto bad = DecodePlc(block, inputs)) {
     ++reading_.counters.rejected;
@@ -203,7 +209,7 @@ PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
   const int count = static_cast<int>(values.size());
   const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
   if (modbus_write_registers(connection.context, address, count, values.data()) != count)
-    return NoteFailure(errno);
+    return CountFailure(errno);
   heartbeat_ = values[0];
   beats_written_ = beats;
   ++reading_.counters.writes;
@@ -212,8 +218,8 @@ PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
 
 namespace {
 
-// Says why there is no connection. libmodbus leaves the error of a connect that took too long as "in
-// progress".
+// Says why there is no connection; empty if no reason is known. libmodbus reports a connect that took too
+// long as "in progress".
 std::string ReasonOf(const PlcClientParams& params, const PlcReading& reading) {
   if (reading.last_error == EMBXILVAL && reading.bad.address != 0)
     return "register " + std::to_string(reading.bad.address) + ": found " +

@@ -77,29 +77,32 @@ class PlcClient {
 
   void Run();
   bool Connect(Connection& connection);
-  /// @returns whether a block was read before the connection ended
-  bool Exchange(Connection& connection);
+  /// Reads blocks and writes heartbeats until the connection ends. @returns whether a block was read before
+  /// the connection ended
+  bool ServeConnection(Connection& connection);
   Answer ReadBlock(Connection& connection);
   Answer WriteHeartbeat(Connection& connection);
-  Answer NoteFailure(int error);
-  void Disconnected();
+  /// Counts a failed request by its errno, and says what follows.
+  Answer CountFailure(int error);
+  void PublishDisconnected();
+  /// Sleeps until the time, or until Stop().
   void Pause(rt::Nanoseconds until);
   void Publish() { published_.Store(reading_); }
 
   PlcClientParams params_;
-  PlcReading reading_;  // the thread's
-  std::uint16_t heartbeat_{0};
-  std::uint32_t beats_written_{0};
+  PlcReading reading_;              // the thread's
+  std::uint16_t heartbeat_{0};      // the register's last value
+  std::uint32_t beats_written_{0};  // beats_ at the last write
   rt::LatestValue<PlcReading> published_;
-  std::atomic<std::uint32_t> beats_{0};
+  std::atomic<std::uint32_t> beats_{0};  // calls of NotifyAlive
   std::atomic<bool> motion_{false}, stop_{false};
   std::thread thread_;
 };
 
-/// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts)". Not for
-/// the tick.
+/// One line for screens, e.g. "PLC 127.0.0.1:1502: no connection: Connection refused (3 attempts in
+/// vain, …)". Not for the tick.
 [[nodiscard]] std::string Describe(const PlcClientParams& params, const PlcReading& reading);
-/// One line for a verdict: "not permitted: RUN_PERMITTED (974) is 0".
+/// One line for a verdict: "RUN_PERMITTED (974) is 0: Stop 1".
 [[nodiscard]] const char* Describe(PlcVerdict verdict);
 
 }  // namespace osteon::io

@@ -25,7 +25,7 @@ struct PlcCounters {
 
 /// The tick's view of the PLC. Plain data.
 struct PlcReading {
-  rt::Nanoseconds stamp{0};  ///< time of the request for the block, which is no older; 0: none yet
+  rt::Nanoseconds stamp{0};  ///< time at which the block was requested; 0: none yet
   PlcLink link{PlcLink::kConnecting};
   PlcInputs inputs{};
   rt::Nanoseconds heartbeat_changed{0};  ///< stamp of the block in which PLC_HEARTBEAT last changed

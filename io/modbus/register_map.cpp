@@ -6,7 +6,7 @@ std::optional<PlcBadRegister> DecodePlc(std::span<const std::uint16_t, kPlcReadC
                                         PlcInputs& inputs) OSTEON_RT {
   struct Range {
     int address;
-    std::uint16_t most;
+    std::uint16_t max;
   };
   constexpr std::array<Range, 8> kRanges{
       {{970, 3}, {973, 1}, {974, 1}, {978, 1}, {979, 2}, {980, 1}, {981, 1}, {982, 1}}};
@@ -20,9 +20,8 @@ std::optional<PlcBadRegister> DecodePlc(std::span<const std::uint16_t, kPlcReadC
     return {};
   }
   for (const Range& range : kRanges)
-    if (at(range.address) > range.most)
-      return PlcBadRegister{
-          .address = range.address, .found = at(range.address), .accepted_most = range.most};
+    if (at(range.address) > range.max)
+      return PlcBadRegister{.address = range.address, .found = at(range.address), .accepted_most = range.max};
   read.mode = static_cast<PlcMode>(at(970));
   read.brake_test_requested = at(973) == 1;
   read.run_permitted = at(974) == 1;

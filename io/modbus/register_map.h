@@ -31,8 +31,8 @@
 
 namespace osteon::io {
 
-inline constexpr int kPlcFirstRead = 970;
-inline constexpr int kPlcReadCount = 14;
+inline constexpr int kPlcFirstRead = 970;  ///< address of the block's first register
+inline constexpr int kPlcReadCount = 14;   ///< registers of the block
 inline constexpr int kPlcControllerHeartbeat = 990;
 inline constexpr int kPlcMotionRequest = 991;
 inline constexpr int kPlcGuardHeartbeat = 992;

@@ -40,7 +40,8 @@ class CacheWarmup {
   CacheWarmup(const CacheWarmup&) = delete;
   CacheWarmup& operator=(const CacheWarmup&) = delete;
 
-  /// @param message  the message that the link accepted last; empty: does nothing
+  /// Runs through the message path once. @param message  the link's last accepted message; empty: does
+  /// nothing
   void Run(std::span<const std::uint8_t> message, const control::ArmCommand& command) OSTEON_RT {
     if (message.empty()) return;
     (void)send(far_.socket, message.data(), message.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -54,15 +55,15 @@ class CacheWarmup {
   static constexpr const char* kLoopback = "127.0.0.1";
 
   static bool ConnectTo(std::uint16_t port, int socket) {
-    const auto there = Ipv4("cache warm-up", kLoopback, port);
-    return there && connect(socket, reinterpret_cast<const sockaddr*>(&*there), sizeof *there) == 0;
+    const auto peer = Ipv4("cache warm-up", kLoopback, port);
+    return peer && connect(socket, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) == 0;
   }
 
   CacheWarmup(const BoundUdp& near, const BoundUdp& far, const Session& session)
       : near_(near), far_(far), session_(session) {}
 
-  UdpPeer<kMaxBytes> near_;
-  BoundUdp far_;
+  UdpPeer<kMaxBytes> near_;  // takes the part of the link
+  BoundUdp far_;             // takes the part of the arm
   Session session_;
   control::ArmState state_;
   std::array<std::uint8_t, kMaxBytes> buffer_{};

@@ -7,8 +7,10 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kLowest = 20000, kHighest = 32000;
+// The range that is searched: below the ports that systems assign themselves.
+constexpr int kMinPort = 20000, kMaxPort = 32000;
 
+// Whether a port of the loopback is free. @param type  SOCK_DGRAM (UDP) or SOCK_STREAM (TCP)
 bool IsFree(int type, int port) {
   const int socket = ::socket(AF_INET, type, 0);
   if (socket < 0) return false;
@@ -24,15 +26,15 @@ bool IsFree(int type, int port) {
 }  // namespace
 
 tl::expected<std::uint16_t, std::string> FindFreePorts(int count) {
-  const int range = kHighest - kLowest;
+  const int range = kMaxPort - kMinPort;
   for (int tried = 0; tried < range; tried += count) {
-    const int first = kLowest + (getpid() * 8 + tried) % range;
+    const int first = kMinPort + (getpid() * 8 + tried) % range;
     int free = 0;
     while (free < count && IsFree(SOCK_DGRAM, first + free) && IsFree(SOCK_STREAM, first + free)) ++free;
     if (free == count) return static_cast<std::uint16_t>(first);
   }
   return tl::make_unexpected("no " + std::to_string(count) + " free ports in a row between " +
-                             std::to_string(kLowest) + " and " + std::to_string(kHighest));
+                             std::to_string(kMinPort) + " and " + std::to_string(kMaxPort));
 }
 
 }  // namespace osteon::io

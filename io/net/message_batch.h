@@ -21,7 +21,7 @@ enum class Sender : std::uint8_t { kDropped, kKept };
 template <std::size_t kBytes, std::size_t kControl, Sender kSender = Sender::kDropped>
 class MessageBatch {
  public:
-  static constexpr std::size_t kMax = 32;
+  static constexpr std::size_t kMax = 32;  ///< messages in one call
 
   MessageBatch() {
     for (std::size_t i = 0; i < kMax; ++i) {
@@ -38,7 +38,7 @@ class MessageBatch {
   /// gives the reason, EAGAIN if none waits.
   int Receive(int socket, std::size_t most) OSTEON_RT {
     if (most > kMax) most = kMax;
-    // restore the headers that the system changed: the first ones, as many as came
+    // restore the headers that the last call changed: the first `used_` ones
     for (; used_ > 0; --used_) {
       msghdr& header = messages_[used_ - 1].msg_hdr;
       if constexpr (kControl > 0) {
@@ -48,8 +48,8 @@ class MessageBatch {
       if constexpr (kSender == Sender::kKept) header.msg_namelen = sizeof(sockaddr_in);
     }
     const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
-    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;  // the system may also have started one that
-                                                                // it did not take
+    // the system may also have changed the header of a message that it did not take
+    used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;
     if (used_ > kMax) used_ = kMax;
     return came;
   }

@@ -12,7 +12,7 @@ namespace osteon::io {
 struct NetworkCard {
   std::string name;
   bool is_up{false};      ///< switched on
-  bool has_cable{false};  ///< a carrier is there
+  bool has_cable{false};  ///< the card has a carrier: a cable with a device at its other end
 };
 /// The interface that has an IPv4 address; nothing if none has.
 [[nodiscard]] std::optional<NetworkCard> FindNetworkCard(const std::string& address);

@@ -22,8 +22,8 @@ class TcpStream {
 
   /// Sends all bytes. False if the other end has gone.
   [[nodiscard]] bool Send(std::string_view bytes);
-  /// Returns what has arrived by now, waiting for at least a byte. Empty: nothing came, or the other end has
-  /// ended.
+  /// Returns the bytes that have arrived; waits for the first one. Empty: nothing came within `patience`, or
+  /// the other end has closed the connection.
   [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
   /// Ends the connection by a reset, as the system does for a killed process that has not read everything.
   void Kill();

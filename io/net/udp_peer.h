@@ -37,14 +37,15 @@ template <class Session>
 SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
 
 /// The PC's end of a protocol in which the other side speaks first: answers go to the source of its message.
-/// If the peer's address is known, nobody else is heard. The first sender of a valid message is the peer.
-/// Others are rejected, until the peer has been silent for a second (a restarted peer may come back from
-/// another port). If several messages wait, the newest is used. One thread at a time; no allocation after
-/// opening, no system calls except the socket's and the clock's.
+/// If the peer's address is given, messages from other addresses are rejected. The first sender of a valid
+/// message is the peer. Others are rejected, until the peer has been silent for a second (a restarted peer
+/// may come back from another port). If several messages wait, the newest is used. One thread at a time; no
+/// allocation after opening, no system calls except the socket's and the clock's.
 /// @tparam kMaxBytes  largest datagram; a longer one is cut
 template <std::size_t kMaxBytes>
 class UdpPeer {
  public:
+  /// After this long without a message from the peer, another sender may take its place.
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
 
   /// @param from  the peer's address; none: any
@@ -84,7 +85,7 @@ class UdpPeer {
           if (received) protocol.OnOvertaken();
           received = true;
         }
-        if (taken > 0 && came < asked) break;  // nothing more waits
+        if (taken > 0 && came < asked) break;  // nothing else waits
         // a call without a message counts too: it reports that one of our datagrams was undeliverable
         left -= std::max<std::size_t>(came, 1);
       }
@@ -112,6 +113,8 @@ class UdpPeer {
   }
 
  private:
+  // Judges message i of the batch: its sender, then by the protocol. True if it is valid; its sender is then
+  // the peer.
   template <class Protocol>
   bool AcceptMessage(Protocol& protocol, std::size_t i) OSTEON_RT {
     const sockaddr_in& sender = in_.sender(i);

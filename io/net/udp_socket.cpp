@@ -86,16 +86,17 @@ tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string&
 
 tl::expected<BoundUdp, std::string> BindUdp(const std::string& who, const std::string& address,
                                             std::uint16_t port) {
-  auto here = Ipv4(who + ": bind", address, port);
-  if (!here) return tl::unexpected(here.error());
+  auto own_address = Ipv4(who + ": bind", address, port);
+  if (!own_address) return tl::unexpected(own_address.error());
   const std::string place = who + ": UDP " + address + ":" + std::to_string(port);
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) return tl::unexpected(place + ": no socket: " + SystemReason(errno));
+  // closes the socket, and returns the error
   const auto give_up = [fd](const std::string& text) {
     close(fd);
     return tl::unexpected(text);
   };
-  if (bind(fd, reinterpret_cast<const sockaddr*>(&*here), sizeof *here) != 0) {
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&*own_address), sizeof *own_address) != 0) {
     const int error = errno;
     if (error == EADDRINUSE)
       return give_up(place +
@@ -104,13 +105,13 @@ tl::expected<BoundUdp, std::string> BindUdp(const std::string& who, const std::s
       return give_up(place + ": this machine has no network card with that address (ip address shows them)");
     return give_up(place + ": cannot bind: " + SystemReason(error));
   }
-  socklen_t length = sizeof *here;
-  if (getsockname(fd, reinterpret_cast<sockaddr*>(&*here), &length) != 0)
+  socklen_t length = sizeof *own_address;
+  if (getsockname(fd, reinterpret_cast<sockaddr*>(&*own_address), &length) != 0)
     return give_up(place + ": " + SystemReason(errno));
   // Some sandboxes refuse this option; the time of reading then serves as the arrival time.
   const int on = 1;
   (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
-  return BoundUdp{.socket = fd, .port = ntohs(here->sin_port)};
+  return BoundUdp{.socket = fd, .port = ntohs(own_address->sin_port)};
 }
 
 std::string SystemReason(int error) { return std::generic_category().message(error); }

@@ -18,6 +18,7 @@
 
 namespace osteon::io {
 
+/// Result of waiting on a socket.
 enum class Wait : std::uint8_t {
   kReady,
   kNothing,  ///< nothing came until the deadline
@@ -29,8 +30,8 @@ enum class Wait : std::uint8_t {
 [[nodiscard]] Wait WaitReadable(int socket, rt::Nanoseconds deadline) OSTEON_RT;
 
 /// Arrival time of a received message on CLOCK_MONOTONIC: the kernel stamps it on CLOCK_REALTIME
-/// (SO_TIMESTAMPNS), and its age is carried over. The time of this call if there is no such stamp, or if the
-/// real-time clock was set in between.
+/// (SO_TIMESTAMPNS), and the age by that stamp is subtracted from the present time. The time of this call if
+/// there is no such stamp, or if the real-time clock was set in between.
 [[nodiscard]] rt::Nanoseconds ArrivalTime(msghdr& message) OSTEON_RT;
 
 /// One datagram.
@@ -57,6 +58,7 @@ struct Datagram {
 [[nodiscard]] tl::expected<std::optional<in_addr>, std::string> PeerAddress(const std::string& what,
                                                                             const std::string& address);
 
+/// A UDP socket that is bound to a port.
 struct BoundUdp {
   int socket{-1};  ///< the caller must close it
   std::uint16_t port{0};

@@ -19,8 +19,8 @@ class CopiedChannels {
   /// @param writer  outlives this
   explicit CopiedChannels(McapWriter& writer) : writer_(writer) {}
 
-  /// Returns the channel's number in the copy, and adds the channel to the copy on the first call. The error
-  /// says that there are too many channels, in the file or of one number.
+  /// Returns the channel's number in the copy. A channel is added to the copy when it is first asked for. The
+  /// error says that there are too many channels, in the file or of one number.
   [[nodiscard]] tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
     constexpr std::size_t kMaxPerNumber = 64, kMaxChannels = 60'000;
     std::vector<Copied>& same_number = copied_[channel.id];

@@ -85,7 +85,8 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
       return "material " + std::to_string(plane.material()) + ", accepted 0 … 255";
     contact.material = static_cast<simulation::MaterialIndex>(plane.material());
   }
-  // a count beside the planes is valid only if that many planes cannot exist
+  // A number of contacts is recorded beside the planes only if it is invalid: negative or too large. Any
+  // other number is refused.
   if (message.has_contact_count()) {
     const std::int32_t count = message.contact_count();
     const bool too_few = count < 0 && model.contact_count == 0;

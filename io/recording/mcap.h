@@ -29,6 +29,6 @@ enum Opcode : std::uint8_t {
   kDataEnd = 0x0f,
 };
 
-inline constexpr std::size_t kRecordHead = 9;  // opcode and length
+inline constexpr std::size_t kRecordHead = 9;  // bytes of a record before its content: opcode and length
 
 }  // namespace osteon::io::mcap

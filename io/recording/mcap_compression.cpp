@@ -8,14 +8,14 @@
 namespace osteon::io::mcap {
 namespace {
 
-constexpr std::uint64_t kMaxSize = 64u << 20;  // bytes of a chunk's records
-constexpr int kLevel = 3;                      // libzstd's own default
+constexpr std::uint64_t kMaxSize = 64u << 20;  // bytes of a chunk's records: a larger chunk is refused
+constexpr int kLevel = 3;                      // of compression: libzstd's default
 
 struct FreeContext {
   void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
 };
 
-/// The number of bytes unpacked, or why it stopped.
+// Unpacks into `out`, which has the announced size. Returns the number of bytes unpacked, or why it stopped.
 tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, std::string& out) {
   LZ4F_dctx* made = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0)
@@ -23,6 +23,7 @@ tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, st
   const std::unique_ptr<LZ4F_dctx, FreeContext> context(made);
   std::size_t read = 0, written = 0;
   for (;;) {
+    // room on both sides before the call; bytes used on both sides after it
     std::size_t taken = bytes.size() - read, given = out.size() - written;
     const std::size_t hint =
         LZ4F_decompress(context.get(), out.data() + written, &given, bytes.data() + read, &taken, nullptr);
@@ -35,6 +36,7 @@ tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, st
   }
 }
 
+// The same for zstd.
 tl::expected<std::size_t, std::string> UnpackZstd(std::span<const char> bytes, std::string& out) {
   const std::size_t written = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(written) != 0) return tl::unexpected<std::string>(ZSTD_getErrorName(written));

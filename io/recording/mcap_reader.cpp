@@ -15,9 +15,11 @@ namespace {
 using mcap::Crc;
 using mcap::Cursor;
 
-constexpr std::uint64_t kMaxRecord = 64u << 20;  // [bytes] the largest of ours holds a configuration's files
+// [bytes] A longer record counts as damage; the longest of our records holds a configuration's files.
+constexpr std::uint64_t kMaxRecord = 64u << 20;
 // Bytes of a chunk before its records, without compression: times, sizes, CRC, no name.
 constexpr std::uint64_t kChunkHead = 8 + 8 + 8 + 4 + 4 + 8;
+// Bytes of the footer record: summary's start, start of its offsets, CRC.
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
 
 std::string_view View(std::span<const char> bytes) { return {bytes.data(), bytes.size()}; }
@@ -49,13 +51,14 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
     while (at_ < records_.size()) {
       bool found = false;
       last_at_ = at_;
-      const std::string reason = OnInner(message, found);
+      const std::string reason = ReadChunkRecord(message, found);
       if (found) return true;
       if (reason.empty()) continue;
       if (!torn_ && on_damage_ == OnDamage::kRefuse) return tl::unexpected(ErrorAt(reason));
       if (!torn_) damage_.push_back({records_offset_, records_.size() - at_, reason});
       records_.resize(at_);
     }
+    // the complete records of a torn chunk that is not compressed count as read
     if (torn_ && at_ > 0 && torn_records_ > 0) offset_ = torn_records_ + at_;
     torn_ = false;
     records_.clear();
@@ -67,7 +70,7 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
 }
 
 std::vector<McapChunkPlace> McapReader::FindChunks() {
-  constexpr std::uint64_t kTimes = 16;  // first and last time, at the beginning of a chunk
+  constexpr std::uint64_t kTimes = 16;  // bytes of the first and last time, at the beginning of a chunk
   const std::uint64_t start = mcap::kMagic.size();
   std::vector<McapChunkPlace> chunks;
   std::set<std::uint16_t> used;  // channels found so far
@@ -82,21 +85,22 @@ std::vector<McapChunkPlace> McapReader::FindChunks() {
       const auto first = cursor.Int<std::uint64_t>();
       chunks.push_back({.offset = at, .first_ns = first, .last_ns = cursor.Int<std::uint64_t>()});
     }
-    // the indexes that follow a chunk name its channels
+    // A chunk is followed by an index for each of its channels. A channel that is new is described in that
+    // chunk.
     if (opcode == mcap::kMessageIndex && !chunks.empty() && used.insert(cursor.Int<std::uint16_t>()).second)
-      ReadChannels(chunks.back().offset);
+      ReadChannelsOfChunk(chunks.back().offset);
     at += mcap::kRecordHead + length;
   }
   SeekTo(start);
   return chunks;
 }
 
-void McapReader::ReadChannels(std::uint64_t chunk) {
+void McapReader::ReadChannelsOfChunk(std::uint64_t chunk) {
   SeekTo(chunk);
   if (!ReadRecord().empty()) return;  // a damaged chunk: reading it later reports the error
   McapMessage message;
   bool found = false;
-  while (at_ < records_.size() && OnInner(message, found).empty()) {
+  while (at_ < records_.size() && ReadChunkRecord(message, found).empty()) {
   }
 }
 
@@ -114,8 +118,7 @@ std::string McapReader::ErrorAt(const std::string& reason) const {
          (in_chunk_ ? "in the chunk's byte " + std::to_string(last_at_) + ": " : "") + reason;
 }
 
-// Reads the file's next record; puts its messages, if any, into records_. Returns an empty string, or the
-// error.
+// Reads the file's next record, and puts its messages into records_. Returns an empty string, or the error.
 std::string McapReader::ReadRecord() {
   std::string record;
   const std::uint64_t rest = size_ - offset_;
@@ -136,19 +139,20 @@ std::string McapReader::ReadRecord() {
     reason = "record of " + std::to_string(length) + " bytes, accepted up to " + std::to_string(kMaxRecord);
   } else if (length > rest - mcap::kRecordHead) {
     // The file is truncated here, or the length is damaged and sound chunks follow.
-    if (skip && Resync("record of " + std::to_string(length) + " bytes, more than the file has")) return {};
-    if (opcode == mcap::kChunk) OnTornChunk();
+    if (skip && SkipToNextChunk("record of " + std::to_string(length) + " bytes, more than the file has"))
+      return {};
+    if (opcode == mcap::kChunk) UnpackTornChunk();
     ended_ = true;
     return {};
   } else if (!Read(offset_, mcap::kRecordHead + length, record)) {
     return "cannot read on";
   } else {
     records_offset_ = offset_;
-    reason = OnRecord(opcode, std::span<const char>(record).subspan(mcap::kRecordHead));
+    reason = HandleRecord(opcode, std::span<const char>(record).subspan(mcap::kRecordHead));
   }
   if (!reason.empty()) {
     if (!skip) return reason;
-    if (!Resync(reason)) {
+    if (!SkipToNextChunk(reason)) {
       damage_.push_back({offset_, size_ - offset_, reason});
       ended_ = true;
     }
@@ -160,7 +164,7 @@ std::string McapReader::ReadRecord() {
   return {};
 }
 
-std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> content) {
+std::string McapReader::HandleRecord(std::uint8_t opcode, std::span<const char> content) {
   if (!has_header_ && opcode != mcap::kHeader && on_damage_ == OnDamage::kRefuse)
     return "the first record is not a header";
   Cursor cursor(content);
@@ -184,7 +188,7 @@ std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> cont
       in_chunk_ = false;
       return {};
     case mcap::kChunk:
-      return data_ended_ ? "chunk after the end of data" : OnChunk(content);
+      return data_ended_ ? "chunk after the end of data" : UnpackChunk(content);
     case mcap::kDataEnd: {
       const auto expected = cursor.Int<std::uint32_t>();
       if (!cursor.ok()) return "end of data is cut off";
@@ -204,7 +208,7 @@ std::string McapReader::OnRecord(std::uint8_t opcode, std::span<const char> cont
   }
 }
 
-std::string McapReader::OnChunk(std::span<const char> content) {
+std::string McapReader::UnpackChunk(std::span<const char> content) {
   Cursor cursor(content);
   cursor.Int<std::uint64_t>();  // first time
   cursor.Int<std::uint64_t>();  // last time
@@ -224,7 +228,7 @@ std::string McapReader::OnChunk(std::span<const char> content) {
 }
 
 // Reads what exists of the chunk that was being written when the process died.
-void McapReader::OnTornChunk() {
+void McapReader::UnpackTornChunk() {
   std::string content;
   const std::uint64_t start = offset_ + mcap::kRecordHead;
   if (size_ - start <= kChunkHead || !Read(start, size_ - start, content)) return;
@@ -245,7 +249,7 @@ void McapReader::OnTornChunk() {
 }
 
 // Reads one record of the present chunk. Returns an empty string, or the error: at_ then stays before it.
-std::string McapReader::OnInner(McapMessage& message, bool& found) {
+std::string McapReader::ReadChunkRecord(McapMessage& message, bool& found) {
   Cursor head(std::span<const char>(records_).subspan(at_));
   const auto opcode = head.Int<std::uint8_t>();
   const auto length = head.Int<std::uint64_t>();
@@ -253,9 +257,9 @@ std::string McapReader::OnInner(McapMessage& message, bool& found) {
   const std::span<const char> content = head.rest().first(length);
   Cursor cursor(content);
   if (opcode == mcap::kSchema) {
-    if (const std::string reason = OnSchema(content); !reason.empty()) return reason;
+    if (const std::string reason = ReadSchema(content); !reason.empty()) return reason;
   } else if (opcode == mcap::kChannel) {
-    if (const std::string reason = OnChannel(content); !reason.empty()) return reason;
+    if (const std::string reason = ReadChannel(content); !reason.empty()) return reason;
   } else if (opcode == mcap::kMessage) {
     const auto id = cursor.Int<std::uint16_t>();
     cursor.Int<std::uint32_t>();  // sequence
@@ -276,7 +280,7 @@ std::string McapReader::OnInner(McapMessage& message, bool& found) {
   return {};
 }
 
-std::string McapReader::OnSchema(std::span<const char> content) {
+std::string McapReader::ReadSchema(std::span<const char> content) {
   Cursor cursor(content);
   const auto id = cursor.Int<std::uint16_t>();
   Schema schema;
@@ -288,7 +292,7 @@ std::string McapReader::OnSchema(std::span<const char> content) {
   return {};
 }
 
-std::string McapReader::OnChannel(std::span<const char> content) {
+std::string McapReader::ReadChannel(std::span<const char> content) {
   Cursor cursor(content);
   const auto id = cursor.Int<std::uint16_t>();
   const auto schema = cursor.Int<std::uint16_t>();
@@ -334,14 +338,15 @@ void McapReader::ReadSummary() {
     if (length > kMaxRecord || length > size_ - tail - at - mcap::kRecordHead ||
         !Read(at + mcap::kRecordHead, length, record))
       return;
-    if (opcode == mcap::kSchema) (void)OnSchema(record);
-    if (opcode == mcap::kChannel) (void)OnChannel(record);
+    if (opcode == mcap::kSchema) (void)ReadSchema(record);
+    if (opcode == mcap::kChannel) (void)ReadChannel(record);
     at += mcap::kRecordHead + length;
   }
 }
 
 // Moves from an invalid record to the next sound chunk. False if there is none.
-bool McapReader::Resync(const std::string& reason) {
+bool McapReader::SkipToNextChunk(const std::string& reason) {
+  // the file is searched in blocks of 1 MiB, which overlap by a chunk's head
   constexpr std::uint64_t kBlock = 1u << 20, kHead = mcap::kRecordHead + kChunkHead;
   std::string block;
   for (std::uint64_t start = offset_ + 1; size_ - start > kHead; start += kBlock) {

@@ -97,18 +97,24 @@ class McapReader {
       : path_(path), file_(std::move(file)), size_(size), on_damage_(on_damage) {}
 
   [[nodiscard]] std::string ReadRecord();
-  [[nodiscard]] std::string OnRecord(std::uint8_t opcode, std::span<const char> content);
-  [[nodiscard]] std::string OnChunk(std::span<const char> content);
-  void OnTornChunk();
-  [[nodiscard]] std::string OnInner(McapMessage& message, bool& found);
-  [[nodiscard]] std::string OnSchema(std::span<const char> content);
-  [[nodiscard]] std::string OnChannel(std::span<const char> content);
+  // Handles a record of the file by its opcode. Like all functions here that return a string: empty, or the
+  // error.
+  [[nodiscard]] std::string HandleRecord(std::uint8_t opcode, std::span<const char> content);
+  // Unpacks a chunk into records_.
+  [[nodiscard]] std::string UnpackChunk(std::span<const char> content);
+  void UnpackTornChunk();
+  [[nodiscard]] std::string ReadChunkRecord(McapMessage& message, bool& found);
+  [[nodiscard]] std::string ReadSchema(std::span<const char> content);
+  [[nodiscard]] std::string ReadChannel(std::span<const char> content);
   [[nodiscard]] std::string ReadClosingMagic();
   void ReadSummary();
-  void ReadChannels(std::uint64_t chunk);
-  [[nodiscard]] bool Resync(const std::string& reason);
+  // Reads the schemas and channels of the chunk at an offset in the file.
+  void ReadChannelsOfChunk(std::uint64_t chunk);
+  [[nodiscard]] bool SkipToNextChunk(const std::string& reason);
+  // Whether the record at `offset`, of `length` bytes, is a chunk that unpacks and matches its CRC.
   [[nodiscard]] bool IsSoundChunk(std::uint64_t offset, std::uint64_t length);
   [[nodiscard]] bool IsZeroToTheEnd();
+  // Reads bytes of the file. False if there are not that many.
   [[nodiscard]] bool Read(std::uint64_t offset, std::uint64_t length, std::string& bytes);
 
   std::filesystem::path path_;
@@ -127,10 +133,11 @@ class McapReader {
 
   // the records being handed out: a chunk's, or a single one outside any chunk
   std::string records_;
-  std::uint64_t records_offset_{0};  // offset in the file of the record that contains them
-  std::uint64_t at_{0}, last_at_{0};
-  std::uint64_t torn_records_{0};  // offset in the file, if a torn chunk is not compressed; else 0
-  bool in_chunk_{false}, torn_{false};
+  std::uint64_t records_offset_{0};   // offset in the file of the record that contains them
+  std::uint64_t at_{0}, last_at_{0};  // positions in records_ of the next and of the last record
+  std::uint64_t torn_records_{0};     // offset in the file, if a torn chunk is not compressed; else 0
+  bool in_chunk_{false};              // records_ is a chunk's
+  bool torn_{false};                  // of a chunk that the end of the file cuts off
 };
 
 }  // namespace osteon::io

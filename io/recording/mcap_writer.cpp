@@ -20,6 +20,7 @@ using mcap::AppendRecord;
 using mcap::AppendString;
 using mcap::Crc;
 
+// "PATH: WHAT: the text of an errno".
 std::string Explain(const std::filesystem::path& path, const char* what, int error) {
   return path.string() + ": " + what + ": " + std::generic_category().message(error);
 }

@@ -15,7 +15,7 @@
 namespace osteon::io {
 
 struct McapWriterParams {
-  /// Records collected before they are written: at 1 kHz ticks and frames, about 0.2 s of them.
+  /// Bytes of records in a chunk, before compression: about 0.2 s of ticks and frames at 1 kHz each.
   std::size_t chunk_bytes{256u << 10};
   bool compress{true};  ///< chunks, by zstd
 };
@@ -77,6 +77,7 @@ class McapWriter {
     std::uint32_t messages{0};
     std::string chunk_index;  // time and offset of each of its messages in the chunk
   };
+  // Number of messages, with the first and last of their times.
   struct TimeRange {
     std::uint64_t first_ns{0}, last_ns{0}, messages{0};
     void Add(std::uint64_t time_ns);
@@ -86,6 +87,7 @@ class McapWriter {
       : path_(path), file_(file), params_(params) {}
   void PutMessageIndexes(std::string& offsets);
   void WriteBytes(std::string_view bytes);
+  // Keeps the error of a failed write. @param error  errno
   void Fail(int error);
   [[nodiscard]] std::string ValidateStillAtPath() const;
 
@@ -94,12 +96,12 @@ class McapWriter {
   McapWriterParams params_;
   mcap::ZstdCompressor compressor_;
   std::vector<Channel> channels_;
-  std::string chunk_;  // records of the present chunk
-  TimeRange chunk_times_;
+  std::string chunk_;          // records of the present chunk
+  TimeRange chunk_times_;      // of the messages in it
   std::string chunk_indexes_;  // ChunkIndex records so far, for the summary
   std::uint32_t chunks_{0};
-  std::uint64_t lost_{0};
-  TimeRange times_;
+  std::uint64_t lost_{0};  // messages that could not be written
+  TimeRange times_;        // of all messages
   std::uint64_t size_{0};  // bytes so far
   std::uint32_t crc_{0};   // of all these bytes
   std::string error_;

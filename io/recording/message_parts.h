@@ -57,6 +57,7 @@ inline void Get(const ForceTorque& from, PlainWrench& to) {
   Get(from.torque_nm(), to.t);
 }
 
+// False if the bytes are no such message.
 template <class Message>
 [[nodiscard]] bool Parse(std::span<const char> bytes, Message& message) {
   return bytes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&

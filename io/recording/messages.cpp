@@ -8,6 +8,8 @@
 namespace osteon::io {
 namespace {
 
+// FillPacking and PackingOf convert a packing's figures to a message and back.
+
 void FillPacking(const PackingRecord& packing, Packing& message) {
   message.set_kind(packing.kind);
   message.set_spacing_m(packing.spacing_m);

@@ -9,8 +9,8 @@
 #include "control/tick_record.h"
 #include "simulation/engine/frame_record.h"
 
-// The records as recording.proto's messages. Only messages.cpp, tick_message.cpp and frame_message.cpp
-// include libprotobuf.
+// Encodes and decodes the records of a recording as recording.proto's messages. Only messages.cpp,
+// tick_message.cpp and frame_message.cpp include libprotobuf.
 
 namespace osteon::io {
 
@@ -39,12 +39,13 @@ struct PackingRecord {
     double asked{0.0}, predicted{0.0};
     bool operator==(const Unmet&) const = default;
   };
-  std::uint32_t kind{0};  ///< simulation::PackingKind
-  double spacing_m{0.0}, radius_m{0.0}, surface_gap_m{0.0};
-  std::uint32_t children{0};
-  double zone_depth_m{0.0}, corner_m{0.0};
-  double error_m{0.0}, rate_hz{0.0};  ///< requested
-  bool timed{false};
+  std::uint32_t kind{0};                 ///< simulation::PackingKind
+  double spacing_m{0.0}, radius_m{0.0};  ///< of the lattice, and of its balls
+  double surface_gap_m{0.0};             ///< largest gap between the surface and the balls
+  std::uint32_t children{0};  ///< number of balls that a touched ball is split into; 0: none is split
+  double zone_depth_m{0.0}, corner_m{0.0};  ///< as in simulation::PackingLevel
+  double error_m{0.0}, rate_hz{0.0};        ///< requested
+  bool timed{false};  ///< planned by frames measured on this machine; false: by the closed forms alone
   double expected_error_m{0.0}, promised_error_m{0.0}, expected_frame_us{0.0};
   double seen_frame_us{0.0};  ///< if zones were coarsened: median of the frames that led to it
   std::vector<Unmet> unmet;
@@ -69,7 +70,7 @@ struct SessionInfo {
   std::optional<PackingRecord> packing{};  ///< absent: as the scene says, or a loaded packing
 };
 
-/// An event worth a line, e.g. a fault.
+/// An event that a reader of the recording should see as a line of text, e.g. a fault.
 struct RecordedEvent {
   rt::Nanoseconds stamp{0};
   std::string text;

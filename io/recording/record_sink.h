@@ -12,6 +12,7 @@ namespace osteon::io {
 class RecordSink {
  public:
   virtual ~RecordSink() = default;
+  // Each is called once for each message of its kind, after the message is written to the file.
   virtual void TakeTick(const control::TickRecord& tick) = 0;
   virtual void TakeFrame(const simulation::FrameRecord& frame) = 0;
   virtual void TakeEvent(const RecordedEvent& event) = 0;

@@ -9,9 +9,12 @@
 namespace osteon::io {
 namespace {
 
+// Periods of the writer thread (draining the queues, ending a chunk) and of the thread that syncs to the
+// disk.
 constexpr auto kDrainPeriod = std::chrono::milliseconds(20);
 constexpr auto kChunkPeriod = std::chrono::nanoseconds(McapWriter::kChunkTime_ns);
 constexpr auto kSyncPeriod = std::chrono::seconds(1);
+// Stamp of an empty queue: later than any message.
 constexpr rt::Nanoseconds kNever = std::numeric_limits<rt::Nanoseconds>::max();
 
 }  // namespace
@@ -71,7 +74,8 @@ bool Recorder::WaitForStop(std::chrono::milliseconds time) {
   return stop_changed_.wait_for(lock, time, [this] { return stop_; });
 }
 
-// A chunk ends by the log times of its messages; if none come any more, by this clock.
+// McapWriter ends a chunk by the log times of its messages. If no message comes any more, this thread's clock
+// ends it.
 void Recorder::RunWriter() {
   rt::NameThread("recorder");
   auto chunk_ended = std::chrono::steady_clock::now();
@@ -154,7 +158,7 @@ void Recorder::Write(bool end_chunk) {
       ++event;
     }
   }
-  // an event and the ticks before it must survive a crash
+  // an event and the ticks before it must survive a crash: pass them to the system at once
   if (end_chunk || !events.empty()) writer_.EndChunk();
   writer_.Flush();
 }

@@ -95,9 +95,12 @@ class Recorder final : public control::TickRecorder {
 
  private:
   Recorder(const RecorderParams& params, McapWriter writer);
+  // The threads: one drains the queues into the file, one brings the file to the disk each second.
   void RunWriter();
   void RunSync();
+  // Waits until Close, at most for `time`. True if Close was called.
   [[nodiscard]] bool WaitForStop(std::chrono::milliseconds time);
+  // Writes everything pushed so far, merged by stamp. @param end_chunk  also ends the present chunk
   void Write(bool end_chunk);
 
   std::size_t stalled_ticks_;

@@ -30,8 +30,9 @@ struct Recording {
 /// trusted: a length beyond the file ends the recording (incomplete), never the program.
 [[nodiscard]] tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& path);
 
-/// Type of a recording's message, from its schema's name.
+/// Type of a message in a recording.
 enum class RecordedTopic : std::uint8_t { kOther, kSession, kTick, kFrame, kEvent };
+/// The type of a channel's messages, by its schema's name.
 [[nodiscard]] RecordedTopic TopicOf(const McapChannel& channel);
 
 /// Reads a recording one message after the other: hours need no more memory than seconds.
@@ -67,7 +68,8 @@ class RecordingStream {
   explicit RecordingStream(McapReader reader) : reader_(std::move(reader)) {}
 
   McapReader reader_;
-  bool has_session_{false}, cut_off_{false};
+  bool has_session_{false};  // an osteon.Session was read
+  bool cut_off_{false};      // the last message of a torn file cannot be decoded: reading has ended
 };
 
 }  // namespace osteon::io
