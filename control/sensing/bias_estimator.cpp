@@ -23,12 +23,12 @@ void Validate(const BiasParams& params) {
   require("rest_s", params.rest_s, 0.01, 60.0);
   require("spread_N", params.spread_N, 0.01, 100.0);
   require("spread_Nm", params.spread_Nm, 0.001, 10.0);
-  require("max_N", params.max_bias_N, 0.0, 100.0);
-  require("max_Nm", params.max_bias_Nm, 0.0, 20.0);
+  require("max_bias_N", params.max_bias_N, 0.0, 100.0);
+  require("max_bias_Nm", params.max_bias_Nm, 0.0, 20.0);
   require("max_creep_m_per_s", params.max_creep_m_per_s, 1e-4, 1.0);
   require("max_creep_rad_per_s", params.max_creep_rad_per_s, 1e-4, 10.0);
-  require("still_m", params.rest_motion_m, 1e-7, 0.01);
-  require("still_rad", params.rest_rotation_rad, 1e-7, 0.1);
+  require("rest_motion_m", params.rest_motion_m, 1e-7, 0.01);
+  require("rest_rotation_rad", params.rest_rotation_rad, 1e-7, 0.1);
 }
 
 BiasParams CreepBound(const BiasParams& params, const AdmittanceParams& law) {

@@ -17,7 +17,7 @@ constexpr double kTouch_J = 2e-3;
 void Validate(const PassivityParams& params) {
   const base::ParameterCheck require("passivity ");
   require("allowance_J", params.allowance_J, 0.0, 10.0);
-  require("least_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);
+  require("min_speed_m_per_s", params.min_speed_m_per_s, 1e-5, 1.0);
   require("max_damping_Ns_per_m", params.max_damping_Ns_per_m, 0.0, 1e5);
   require("lever_m", params.lever_m, 1e-3, 1.0);
 }

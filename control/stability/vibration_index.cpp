@@ -58,7 +58,7 @@ void Validate(const VibrationParams& params) {
   require("rise_s", params.rise_s, 0.001, 1.0);
   require("decay_ratio", params.decay_ratio, 1.0, 1000.0);
   require("max_damping_factor", params.max_damping_factor, 1.0, 1000.0);
-  require("most_mass", params.max_mass_factor, 1.0, 100.0);
+  require("max_mass_factor", params.max_mass_factor, 1.0, 100.0);
   require("notch_hz", params.notch_hz, 0.0, 20.0);
   require("release_s", params.release_s, 0.001, 5.0);
   Validate(params.reference);

@@ -45,7 +45,9 @@ tl::expected<std::vector<std::uint8_t>, std::string> CarvedBytes(const simulatio
   if (const auto written = simulation::WriteCarvedState(file, engine.Snapshot(), bone); !written)
     return tl::make_unexpected(written.error().Text());
   std::ifstream stream(file, std::ios::binary);
-  return std::vector<std::uint8_t>(std::istreambuf_iterator<char>(stream), {});
+  std::vector<std::uint8_t> bytes(std::istreambuf_iterator<char>(stream), {});
+  if (!stream || bytes.empty()) return tl::make_unexpected(file.string() + ": cannot read it back");
+  return bytes;
 }
 
 // Answers each command with a frame until the run is over, and sends the carved state when the client ends

@@ -160,7 +160,12 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
   std::vector<Reader> readers;
   for (const std::filesystem::path& path : recordings) {
     auto timeline = RecordingTimeline::Open(path);
-    if (!timeline) return;
+    if (!timeline) {  // the file was removed meanwhile: nothing more comes
+      std::string json = Compared(0.0).ToJson(true);
+      const std::lock_guard lock(mutex_);
+      json_ = std::move(json);
+      return;
+    }
     (void)timeline->Seek(0.0);
     readers.push_back({.timeline = std::move(*timeline)});
   }

@@ -47,8 +47,6 @@ std::string RecordingScan::Json() const {
 void RecordingScan::Run(const std::filesystem::path& path) {
   rt::NameThread("scan");
   rt::LowerPriority();
-  auto timeline = RecordingTimeline::Open(path);
-  if (!timeline) return;
   Seen seen;
   auto told = std::chrono::steady_clock::now();
   const auto tell = [&](bool done) {
@@ -56,6 +54,8 @@ void RecordingScan::Run(const std::filesystem::path& path) {
     const std::lock_guard lock(mutex_);
     json_ = std::move(json);
   };
+  auto timeline = RecordingTimeline::Open(path);
+  if (!timeline) return tell(true);  // the file was removed meanwhile: nothing more comes
   (void)timeline->Seek(0.0);
   while (!stop_.load()) {
     const auto topic = timeline->Next();

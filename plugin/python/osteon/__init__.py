@@ -376,7 +376,7 @@ class Session:
         """Compares the reamed bone with a plan for it: dict of score, axis_error_rad, diameter_m, center_m, coverage,
         removed_m3, over_m3, under_m3, … (NaN: not measured), and items, a list of dict: metric, unit, value, full,
         zero, weight, points."""
-        found, count, items = _Assessment(), c.c_size_t(), (_ScoreItem * 32)()
+        found, count, items = _Assessment(), c.c_size_t(), (_ScoreItem * 64)()
         _check(_lib.osteon_session_assess(
             self._handle, plan._handle, c.byref(found), items, len(items), c.byref(count)))
         result = _fields_of(found)
