@@ -108,8 +108,9 @@ tl::expected<void, std::string> PackAsRecorded(CellSetup& setup,
   const auto level = LevelOf(*packing);
   if (!level) return tl::make_unexpected(level.error());
   if (!(packing->error_m > 0.0 && packing->error_m <= kMaxDemand_m))
-    return tl::make_unexpected(fmt::format("the recorded packing: error: found {:g} mm, accepted more than 0, at most {:g} mm",
-                                           packing->error_m * 1e3, kMaxDemand_m * 1e3));
+    return tl::make_unexpected(
+        fmt::format("the recorded packing: error: found {:g} mm, accepted more than 0, at most {:g} mm",
+                    packing->error_m * 1e3, kMaxDemand_m * 1e3));
   const simulation::SceneSolid solid{.name = setup.bone.name, .solid = setup.solid, .site = setup.bone.site};
   auto planned = std::make_shared<PlannedCell>();
   planned->request = {.error_m = packing->error_m,
