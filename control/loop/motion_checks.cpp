@@ -36,7 +36,7 @@ void MotionChecks::CheckMotion(const ArmState& state, bool overloaded) OSTEON_RT
   if (state.safety_state != 0 && !paused) supervisor.Latch(Fault::kSession);
   if (overloaded && !paused) supervisor.Latch(Fault::kJointLimit);
   if (supervisor.faults().Any() && !safety::Renders(cell))
-    actions.ApplyFault();  // rendering checks more before it stops
+    actions.ApplyFault();  // while rendering, HapticRendering applies it after its own checks
   if (supervisor.stop_requested()) actions.ApplyEvent(CellEvent::kStopRequested);
   if (supervisor.TakePauseRequest()) actions.ApplyEvent(CellEvent::kPauseRequested);
 }

@@ -10,12 +10,12 @@
 namespace osteon::hil {
 namespace {
 
-/// A value of a key, and its rate of change per second.
+// A value between two phases' ends, and its rate of change per second.
 struct ValueAndRate {
   double value, rate;
 };
 
-// Interpolates between two keys' values by a blend that takes `duration_s`.
+// Interpolates between the values at two phases' ends by a blend that takes `duration_s`.
 ValueAndRate Interpolate(double from, double to, Blend b, double duration_s) {
   return {from + (to - from) * b.s, (to - from) * b.slope / duration_s};
 }
@@ -100,8 +100,8 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.X_WT.translation() = X_WC_.translation() + height.value * axis_W + p_center_apex_W;
   target.V_WT.v = height.rate * axis_W + target.V_WT.w.cross(p_center_apex_W);
 
-  // the swing's circle about the axis, at the angle q; the rate is zero outside the script, where the swing
-  // is zero as well
+  // the swing's circle about the cup's axis, at the angle q; before and after the script its radius and the
+  // radius' rate are zero, so that the angular rate does not matter there
   if (swings_) {
     const ValueAndRate swing = Interpolate(from.swing_m, to.swing_m, blend, duration_s);
     const double q = swing_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
@@ -113,7 +113,8 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.height_m = height.value;
   target.force_limit_N = Interpolate(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
   target.grip = Interpolate(from.grip, to.grip, blend, duration_s).value;
-  target.done_height_m = to.done_height_m;  // a place of the plan, not of the hand: it is not blended
+  // settings of a phase, not motions of the hand: they change at once where the phase begins
+  target.done_height_m = to.done_height_m;
   target.give_m_per_N = to.give_m_per_N;
   return target;
 }
@@ -137,16 +138,19 @@ HandScript MakeReamingScript(const ReamingScriptParams& p) {
        .max_target_m_per_s = p.max_target_m_per_s,
        .max_tilt_rad_per_s = p.max_tilt_rad_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
-  // adds a phase; the push goes beyond the depth, so that the hand's spring reaches the force limit
-  const auto add = [&](const char* name, double share, double height_m, double force_N, double tilt_rad) {
-    phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = tilt_rad});
+  // Adds a phase that takes this share of the script's time.
+  const auto add = [&](const char* name, double time_share, double height_m, double force_N,
+                       double tilt_rad) {
+    phases.Add(name, time_share, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = tilt_rad});
   };
+  // the hand's target lies beyond the depth of full force, so that its spring reaches push_force_N there
   const double push_height_m = -(p.full_force_depth_m + p.push_force_N / p.hand_stiffness_N_per_m);
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.08, 0.0, p.approach_force_N, 0.0);
   add("ramp", 0.07, push_height_m, p.push_force_N, 0.0);
   const bool straight = p.tilt_rad == 0.0;
   add(straight ? "press" : "tilt", 0.08, push_height_m, p.push_force_N, p.tilt_rad);
+  // with the tilt that the phase before has reached: max_tilt_rad_per_s may have cut it short
   add(straight ? "press" : "whirlwind", 0.55, push_height_m, p.push_force_N, phases.key().tilt_rad);
   add(straight ? "press" : "upright", 0.08, push_height_m, p.push_force_N, 0.0);
   add("unload", 0.04, 0.0, p.approach_force_N, 0.0);

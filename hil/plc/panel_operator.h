@@ -9,9 +9,9 @@ namespace osteon::hil {
 
 /// The person at the controls of a simulated run: automatic mode, the enabling switch in its middle position,
 /// the pedal pressed, and the reset button pressed repeatedly until motion is permitted for the first time. A
-/// later stop is not reset, because a person must decide to go on. A person who starts a controller or a
-/// guard again has decided so: once a new connection to the PLC follows the end of the permission, the button
-/// is pressed again.
+/// later stop is not reset, because a person must decide to go on. Who starts the controller or the guard
+/// again has decided it: the restart shows by a connection to the PLC that is made after motion was last
+/// permitted, and the button is pressed again.
 class PanelOperator {
  public:
   /// @param now  on any clock, never decreases

@@ -114,7 +114,7 @@ bool FriRelay::RelayMessage(std::span<const std::uint8_t> datagram, rt::Nanoseco
 
 bool FriRelay::ReceiveAnswers() OSTEON_RT {
   for (std::size_t left = kMaxAtOnce; left > 0; --left) {
-    const Datagram answer = ReadDatagram(controller_, room_);
+    const Datagram answer = ReadDatagram(controller_, answer_buffer_);
     if (answer.read == Datagram::Read::kNone) return true;
     if (answer.read == Datagram::Read::kGone) return false;
     if (answer.read == Datagram::Read::kTaken) RelayAnswer(answer.bytes, answer.arrival);

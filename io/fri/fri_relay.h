@@ -26,19 +26,20 @@ struct FriRelayParams {
 
 struct FriRelayCounters {
   std::uint64_t to_controller{0}, to_arm{0};  ///< messages relayed
-  std::uint64_t rejected{0};     ///< to the arm's port: from strangers, or no message of this version
-  std::uint64_t undelivered{0};  ///< the system did not accept it, or nobody listens
+  std::uint64_t rejected{0};  ///< came to arm_port, but not from the arm, or not as a message of this version
+  std::uint64_t undelivered{0};  ///< the system did not accept them, or nobody listens at the receiver's port
 };
 
 /// Relays an FRI session's datagrams between arm and controller, unchanged, if a GuardMonitor lets them pass.
 /// An arm speaks to one FRI peer only, so a supervisor must stand between the two.
 ///
-///     arm ──▶ arm_port ──▶ (a port of ours) ──▶ controller_port
-///     arm ◀── arm_port ◀── monitor ◀── (that port) ◀── controller_port
+///     messages: arm ──▶ arm_port ──▶ monitor ──▶ (a port of ours) ──▶ controller_port
+///     answers:  arm ◀── arm_port ◀── monitor ◀── (that port) ◀── controller_port
 ///
 /// The arm is the first sender of a valid message, as for FriLink; on the other side only datagrams from the
-/// controller's address and port are read. Waiting answers are handled before waiting messages; otherwise a
-/// late guard would turn answers in time into late ones. One thread at a time; no allocation after opening.
+/// controller's address and port are read. If both wait, answers are relayed before messages: if this
+/// process wakes up late, an answer that came in time must not count as late. One thread at a time; no
+/// allocation after opening.
 class FriRelay {
  public:
   /// `monitor` must outlive the relay. The error names address and port, and says what to do.
@@ -48,8 +49,8 @@ class FriRelay {
   FriRelay(const FriRelay&) = delete;
   FriRelay& operator=(const FriRelay&) = delete;
 
-  /// Relays waiting datagrams and those that come until `deadline` on CLOCK_MONOTONIC; checks the
-  /// controller's silence each time. False if a socket is gone.
+  /// Relays waiting datagrams and those that come until `deadline` on CLOCK_MONOTONIC. After each wait, the
+  /// monitor checks how long the controller has been silent. False if a socket has failed.
   bool Serve(rt::Nanoseconds deadline) OSTEON_RT;
 
   [[nodiscard]] std::uint16_t port() const { return arm_.port(); }
@@ -71,14 +72,14 @@ class FriRelay {
   // Shows the controller's answer to the monitor, and sends it to the arm if it may pass.
   void RelayAnswer(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival) OSTEON_RT;
 
-  struct Judge;  // implements UdpPeer's protocol interface
+  struct Judge;  // tells UdpPeer whether a datagram is a message of the arm, and relays it
 
   UdpPeer<kFriMaxDatagram + 1> arm_;  // one more, to detect oversized datagrams
   int controller_;                    // connected, so nobody else is heard
   FriFamily family_;
   safety::GuardMonitor& monitor_;
   MonitoringMessage message_;
-  std::array<std::uint8_t, kFriMaxDatagram + 1> room_{};
+  std::array<std::uint8_t, kFriMaxDatagram + 1> answer_buffer_{};
   FriRelayCounters counters_;
   rt::DurationHistogram message_delay_, answer_delay_;
 };

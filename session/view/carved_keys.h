@@ -15,9 +15,9 @@
 
 namespace osteon::session {
 
-/// Carves a recording's bone, message by message. The capsules that the tool has swept are gathered and
-/// carved together: many capsules cost little more than a few, since most of them affect no node, and the
-/// resulting bits are the same.
+/// The state of a recording's bone at a time, which is carved on message by message. The capsules that the
+/// tool has swept are gathered and carved together: many capsules cost little more than a few, since most of
+/// them change no node of the field's grid, and the field is bit for bit as if each were carved alone.
 struct CarvedBone {
   surface::CarvedField field;
   surface::ToolWays ways;        ///< path of the tool in use; makes the capsules that it sweeps
@@ -30,11 +30,13 @@ struct CarvedBone {
 
   /// Takes the message that the time line has read. Carve applies it to `field`.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
-  /// Carves the messages taken so far, up to the last complete batch of frames.
+  /// Carves the messages taken so far, up to the last complete batch: ToolWays turns the path of several
+  /// frames at once into capsules, and the frames of a batch that is not complete wait.
   void Carve();
-  /// Becomes a copy of another state of the same recording's bone; only bricks that differ are dirty then.
+  /// Becomes a copy of another state of the same recording's bone. Only the bricks (blocks of the field's
+  /// grid) that differ are marked as changed, so that the surface is made anew there alone.
   void JumpTo(const CarvedBone& other);
-  /// Carves the messages taken so far, including the batch that is not complete.
+  /// Carves the messages taken so far, including the batch that is not complete: the exact state at a time.
   void CarveAll();
 
   static constexpr std::size_t kMaxGathered = 4096;  ///< number of capsules: some ten seconds of reaming

@@ -36,10 +36,17 @@ class RecordingDifference {
   RecordingDifference(const RecordingDifference&) = delete;
   RecordingDifference& operator=(const RecordingDifference&) = delete;
 
-  /// Makes {"type": "difference", "step_s", "force_N": [[largest of each bin, first], [second recording]],
-  /// "depth_mm": [[deepest of the proxy so far], …], "removed_mm3": [[…], …], "force_apart_N", "apart_mm",
-  /// "turn_deg": [largest of each bin], "most": {"force_N": [value, at_s], "depth_mm", "removed_mm3": second
-  /// minus first, "apart_mm", "turn_deg"}, "ticks": number compared, "done"}; null if a bin has no tick.
+  // clang-format off
+  /// Makes a JSON object of type "difference". A series has a value for each bin, null where the bin has no tick:
+  ///
+  ///     "step_s"       width of a bin          "ticks"  number compared     "done"  all is read
+  ///     "force_N"      [first, second recording]: largest rendered force of each bin
+  ///     "depth_mm"     [first, second]: deepest place of the proxy up to each bin
+  ///     "removed_mm3"  [first, second]: removed bone up to each bin
+  ///     "force_apart_N", "apart_mm", "turn_deg"   largest TickDifference of each bin
+  ///     "most"         largest differences of both runs, each [value, at_s]: "force_N", "apart_mm", "turn_deg",
+  ///                    and of "depth_mm", "removed_mm3" the second recording's value minus the first's
+  // clang-format on
   [[nodiscard]] std::string Json() const;
 
  private:

@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kMaxVoxels = 2147483648.0;  ///< 2^31
 
-// Fills voxels where there is no solid: from the union of balls, with the nearest mass point's material.
+// Shape and material of a bone that has no exact solid: a point is inside if a ball holds it, and has the
+// nearest mass point's material.
 class UnionOfBalls {
  public:
   explicit UnionOfBalls(const Bone& bone)
@@ -73,7 +74,7 @@ VoxelGrid::VoxelGrid(const Bone& bone, const Solid* solid, double voxel_m) : vox
   mixed_at_.assign(bricks, 0);
   Fill(bone, solid);
   first_words_ = words_;
-  Count();
+  CountVoxels();
   for (const std::uint32_t count : block_count_) first_count_ += count;
 }
 
@@ -125,7 +126,7 @@ void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
   }
 }
 
-void VoxelGrid::Count() {
+void VoxelGrid::CountVoxels() {
   brick_count_.assign(brick_material_.size(), 0);
   block_count_.assign(static_cast<std::size_t>(blocks_[0]) * blocks_[1] * blocks_[2], 0);
   for (std::int32_t z = 0; z < bricks_[2]; ++z)
@@ -152,6 +153,7 @@ void VoxelGrid::Delete(const VoxelIndex& v) {
 }
 
 bool VoxelGrid::AnyBrickNear(const Vector3& p_m, double reach_m) const {
+  // ForEachBrick returns false where a visit ended it: at the first brick that is found
   return !ForEachBrick((p_m - first_center_m_) / voxel_m_, reach_m / voxel_m_, 0.0,
                        [](std::int32_t, std::int32_t, std::int32_t) { return false; });
 }
@@ -173,7 +175,7 @@ void VoxelGrid::Load(const CarvedState& state) {
     for (std::uint64_t left = first_words_[w]; left != 0; left &= left - 1)
       if (state.cleared[i++] != 0) words_[w] &= ~(left & -left);
   }
-  Count();
+  CountVoxels();
 }
 
 }  // namespace osteon::simulation

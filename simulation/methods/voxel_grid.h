@@ -121,7 +121,7 @@ class VoxelGrid {
   /// Sets the solid voxels and their materials at the start.
   void Fill(const Bone& bone, const Solid* solid);
   /// Counts the solid voxels of each brick and block.
-  void Count();
+  void CountVoxels();
 
   double voxel_m_;
   Vector3 first_center_m_;

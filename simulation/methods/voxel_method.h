@@ -5,8 +5,9 @@
 
 namespace osteon::simulation {
 
-/// Common base of the methods with voxels. A voxel's centre decides whether it is touched, engaged or inside
-/// a tool, so the felt surface lies half a voxel below the bone's.
+/// Common base of the methods that store the bone as voxels. A tool touches, cuts or deletes a voxel by the
+/// voxel's centre alone. The outermost centres lie half a voxel below the bone's surface on average, so that
+/// contact is felt that much too deep.
 class VoxelMethod : public MethodBase {
  public:
   [[nodiscard]] std::unique_ptr<CarvedShape> Shape() const final;

@@ -15,12 +15,13 @@
 
 namespace osteon::studies {
 
-/// How the forces depend on the base's place: the guaranteed axial force while the whole need acts at once
-/// [N]; NaN if the task can't be done.
+/// A map over places of the robot's base, nx by ny.
 struct BasePanel {
   std::string title, x_label, y_label;
   double x_from_m{0.0}, y_from_m{0.0}, step_m{0.0};
   int nx{0}, ny{0};
+  /// Row by row along x: axial force that the arm holds in every pose of the task while all forces and
+  /// torques of CapabilityNeed act at once; NaN where it can't do the task.
   std::vector<double> force_N;
   std::array<double, 2> site{}, own{}, best{};  ///< places of the site, the present base and the best one [m]
 };
@@ -32,20 +33,22 @@ struct CapabilityResult {
   CapabilityNeed need;
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
-  CapabilityMap::Task best_angle, own_angle;  ///< from the present base
+  CapabilityMap::Task best_angle,
+      own_angle;   ///< forces from the present base, at the best arm angle and the cell's
   int outside{0};  ///< number of the task's poses outside the cell's workspace, which are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
-  bool searched{false};
+  bool searched{false};            ///< whether a better base was looked for
   std::optional<BaseFigure> base;  ///< the best base; nothing if none was searched for or found
   ToolForce base_force;            ///< of the best base, over the task
   std::vector<BasePanel> base_panels;
   std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not computed
 };
 
-/// Bad if the arm can't hold both needs over the whole task from the cell's own base at any arm angle. To be
-/// looked at if it can, but not at the cell's arm angle, if a part of the task lies outside the workspace, if
-/// no better base was found, or if the measured arm is not stable with the cell's gains.
+/// Bad if the arm can hold CapabilityNeed over the whole task from the cell's own base at no arm angle. To be
+/// looked at if it can, but not at the cell's arm angle. Also to be looked at if a part of the task lies
+/// outside the workspace, if no better base was found, or if the measured arm is not stable with the cell's
+/// gains.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
 /// The result as rows of a key and a text.
@@ -54,7 +57,7 @@ struct CapabilityResult {
 [[nodiscard]] std::string ToJson(const CapabilityResult& result, const std::string& command_line);
 /// The map's nodes as CSV, one node per line.
 [[nodiscard]] std::string MapCsv(const CapabilityResult& result);
-/// YAML that replaces the corresponding lines of the cell's file.
+/// The best base's pose and arm angle as YAML, to replace those in the cell's file.
 [[nodiscard]] std::string BaseYaml(const CapabilityResult& result, const std::string& command_line);
 
 /// Draws axial and lateral force on two planes, at the best arm angles or at the cell's.

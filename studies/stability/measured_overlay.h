@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// The measured figures of an arm that a force is laid over.
+/// The measured response of an arm to an overlaid force (FRI's wrench or torque overlay), along one axis.
 struct MeasuredOverlayParams {
   Vector3 axis_T{Vector3::UnitZ()};  ///< direction of force and motion in the tool's frame, unit
   double dead_time_s{0.0};           ///< from a force to its first effect
@@ -20,21 +20,21 @@ struct MeasuredOverlayParams {
 /// The arm's seven joints as in the model, corrected so that the response along the measured axis is the
 /// measured one:
 ///
-///     C' = C + (G / q - a^T C a) (C a a^T C) / (a^T C a)^2
+///     C' = C + (G / h - a^T C a) (C a a^T C) / (a^T C a)^2
 ///
-/// with the model's compliance C of the joints, a = J^T axis, the measured G = x / f and the delay q of a
-/// force that is held. The loop is stable where det(I + C' D) does not go around 0, with the dynamic
-/// stiffness D of hand, law, wall and of the equilibrium that follows. Friction is included as far as it is
-/// in the measured G.
+/// with the model's compliance C of the joints, a = J^T axis, the measured G = x / f, and h for the delay and
+/// the zero-order hold of a sent force, which G contains and C' does not. The loop is stable where det(I + C'
+/// D) does not encircle 0. D is the dynamic stiffness of the hand, the law, the wall, and the arm's own
+/// equilibrium, which follows the measured joints. Friction is included as far as it is in the measured G.
 class MeasuredOverlay {
  public:
   /// @param model  the arm, its own impedance and the period; hand and wall are not used
   /// @throws std::invalid_argument if the lines are not a valid response
   MeasuredOverlay(const OverlayLoopParams& model, const MeasuredOverlayParams& measured);
 
-  /// Judges the loop with the hand, law and wall of `loop`; the wall stands across the measured axis. The
-  /// margins are those of the force that wall and damping exert along the axis, with all other loops closed:
-  /// `gain` is a factor on wall and damping.
+  /// Judges the loop with the hand, law and wall of `loop`; the measured axis is the wall's normal. For the
+  /// margins the loop is opened at the force that the wall and the law's damping exert along this axis, with
+  /// all other loops closed: LoopMargins::gain is a factor on wall and damping together.
   /// @param late_s  additional delay of each command beyond the measured one
   [[nodiscard]] LoopMargins Judge(const OverlayLoopParams& loop, double late_s) const;
   [[nodiscard]] bool IsStable(const OverlayLoopParams& loop, double late_s) const;
@@ -61,7 +61,7 @@ class MeasuredOverlay {
   Vector3 axis_T_;
   Eigen::Matrix<double, 6, 7> J_;
   Matrix3 R_BT_{Matrix3::Identity()};
-  Eigen::Matrix<double, 7, 1> along_;
+  Eigen::Matrix<double, 7, 1> along_;   // a = J^T axis
   Eigen::Matrix<double, 7, 7> follow_;  // spring of the equilibrium: the inverse of C' at rest
   std::vector<Point> points_;
 };

@@ -10,7 +10,7 @@ for component in library development; do
   "$cmake" --install "$build" --prefix "$prefix" --component "$component" >"$work/log"
 done
 mkdir -p "$prefix/share/osteon"
-cp -r "$plugin/../config" "$prefix/share/osteon/config" # belongs to the component osteon, which needs all programs
+cp -r "$plugin/../config" "$prefix/share/osteon/config" # the component that installs it needs all programs built
 unset OSTEON_ROOT
 
 echo "== find_package"
@@ -22,7 +22,7 @@ fi
 "$work/consumer/ream_cup" | tail -1 | grep -E "force +[1-9][0-9.]+ N"
 "$work/consumer/ream_cup_eigen" | tail -1 | grep -E "force +[1-9][0-9.]+ N  removed +[1-9][0-9]"
 
-echo "== find_package of a later version: the first number alone decides"
+echo "== find_package: an installed version serves requests of its own major version that are not newer than itself"
 accepts() { # VERSION REQUEST: whether an installed VERSION serves find_package(osteon REQUEST)
   sed -E "s/\"[0-9]+\.[0-9]+\.[0-9]+\"/\"$1\"/g" "$version_file" >"$work/version.cmake"
   cat >"$work/ask.cmake" <<EOF
@@ -43,7 +43,7 @@ accepts 1.7.2 1.0 || { echo "an installed 1.7.2 does not serve find_package(oste
 echo "== pkg-config"
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name osteon.pc)")
 export PKG_CONFIG_PATH
-# shellcheck disable=SC2046  # words of flags
+# shellcheck disable=SC2046  # not quoted: the output is several flags
 cc -std=c11 -Wall -Werror "$plugin/examples/c/ream_cup.c" $(pkg-config --cflags --libs osteon) -lm \
   -Wl,-rpath,"$(pkg-config --variable=libdir osteon)" -o "$work/ream_cup"
 "$work/ream_cup" "$work/bone.ply" | tail -1 | grep triangles

@@ -13,7 +13,11 @@
 namespace osteon::procedure {
 namespace {
 
-// The shipped rubric's norms (config/rubrics/rubric.yaml; tests/config/rubric_test.cpp compares them).
+// Wall that is left beyond the cup, enough for no breach.
+constexpr double kWallLeft_m = 0.01;
+
+// The shipped rubric (config/rubrics/rubric.yaml; tests/config/rubric_test.cpp compares them). Each item:
+// metric, points, the value that still has all of them, the value from which on it has none, source.
 Rubric ShippedRubric() {
   return {.name = "rubric",
           .items = {{"axis_error", 30.0, 5.0 * kDegree, 10.0 * kDegree, ""},
@@ -31,20 +35,20 @@ MetricValues PerfectValues() {
           {"diameter_error", 0.0}, {"coverage", 1.0},       {"over_reamed", 0.0}};
 }
 
-TEST(Score, IsFullWithinTheNormsAndLinearBetweenThem) {
-  EXPECT_NEAR(ScoreOf(ShippedRubric(), PerfectValues(), 0.01).total, 100.0, 1e-9);
+TEST(Score, IsFullUpToTheFullValueAndFallsLinearlyToNone) {
+  EXPECT_NEAR(ScoreOf(ShippedRubric(), PerfectValues(), kWallLeft_m).total, 100.0, 1e-9);
   MetricValues values = PerfectValues();
   values["axis_error"] = 7.5 * kDegree;
-  EXPECT_NEAR(ScoreOf(ShippedRubric(), values, 0.01).total, 85.0, 1e-9);
+  EXPECT_NEAR(ScoreOf(ShippedRubric(), values, kWallLeft_m).total, 85.0, 1e-9);
   values["coverage"] = 0.69;
-  EXPECT_NEAR(ScoreOf(ShippedRubric(), values, 0.01).total, 80.0, 1e-9);
+  EXPECT_NEAR(ScoreOf(ShippedRubric(), values, kWallLeft_m).total, 80.0, 1e-9);
 }
 
-TEST(Score, ABreachTakesPointsOffAndNeverBelowZero) {
+TEST(Score, ABreachDeductsPointsUpToAMaximumAndTheScoreIsNeverNegative) {
   EXPECT_NEAR(ScoreOf(ShippedRubric(), PerfectValues(), 0.0).total, 80.0, 1e-9);
   EXPECT_EQ(ScoreOf(ShippedRubric(), PerfectValues(), 0.0).deductions.size(), 1u);
   EXPECT_EQ(ScoreOf(ShippedRubric(), {}, 0.0).total, 0.0);
-  EXPECT_TRUE(ScoreOf(ShippedRubric(), PerfectValues(), std::nullopt).deductions.empty());
+  EXPECT_TRUE(ScoreOf(ShippedRubric(), PerfectValues(), std::nullopt).deductions.empty()) << "not measured";
   Rubric harsh = ShippedRubric();
   harsh.breach_points = 90.0;
   EXPECT_NEAR(ScoreOf(harsh, PerfectValues(), 0.0).total, 100.0 - kMaxDeduction, 1e-9);
@@ -53,7 +57,7 @@ TEST(Score, ABreachTakesPointsOffAndNeverBelowZero) {
 TEST(Score, AFigureThatCouldNotBeMeasuredHasNoPoints) {
   MetricValues values = PerfectValues();
   values.erase("diameter_error");
-  const Score score = ScoreOf(ShippedRubric(), values, 0.01);
+  const Score score = ScoreOf(ShippedRubric(), values, kWallLeft_m);
   EXPECT_NEAR(score.total, 80.0, 1e-9);
   EXPECT_FALSE(score.items[3].value);
 }
@@ -66,12 +70,12 @@ TEST(Score, DoublingAnyErrorNeverRaisesTheScore) {
       values[item.metric] = item.metric == "coverage"
                                 ? 1.0 - 1e-3 * *rc::gen::inRange(0, 501)
                                 : std::max(item.full, item.zero) * 1e-3 * *rc::gen::inRange(0, 2001);
-    const double before = ScoreOf(rubric, values, 0.01).total;
+    const double before = ScoreOf(rubric, values, kWallLeft_m).total;
     for (const RubricItem& item : rubric.items) {
       MetricValues worse = values;
       double& value = worse[item.metric];
       value = item.metric == "coverage" ? 1.0 - 2.0 * (1.0 - value) : 2.0 * value;
-      RC_ASSERT(ScoreOf(rubric, worse, 0.01).total <= before);
+      RC_ASSERT(ScoreOf(rubric, worse, kWallLeft_m).total <= before);
     }
   }));
 }
@@ -88,7 +92,7 @@ double ScoreOfReaming(double tilt_rad, const Vector3& off_m, double whirl_m) {
   ReamedAxis axis;
   axis.Add(feed, state.removed_volume_m3);
   assessment.axis_G = axis.value();
-  return ScoreOf(ShippedRubric(), ValuesOf(plan, assessment), 0.01).total;
+  return ScoreOf(ShippedRubric(), ValuesOf(plan, assessment), kWallLeft_m).total;
 }
 
 TEST(Score, AScriptedExpertIsAbove85AndANoviceBelow40) {
@@ -104,20 +108,21 @@ TEST(Score, DoublingAnErrorOfTheHandNeverRaisesTheScore) {
   const Vector3 directions[] = {pelvis.superior,           -pelvis.superior, pelvis.lateral,
                                 -pelvis.lateral,           pelvis.anterior,  -pelvis.anterior,
                                 Vector3(-Vector3::UnitZ())};
-  // the fit on a packing resolves 0.01 mm: 0.2 points of the diameter's error
-  constexpr double kResolution = 0.2;
+  // The sphere that is fitted to a cavity in packed balls has a diameter within 0.01 mm. The 20 points of the
+  // diameter fall over 1.3 mm, so that two cuts alike may differ by 0.2 points.
+  constexpr double kTolerance_points = 0.2;
   for (const Vector3& direction : directions) {
     double before = 101.0;
     for (const double off_m : {0.0, 1e-3, 2e-3, 4e-3}) {
       const double score = ScoreOfReaming(0.0, off_m * direction, 0.0);
-      EXPECT_LE(score, before + kResolution) << 1e3 * off_m << " mm along " << direction.transpose();
+      EXPECT_LE(score, before + kTolerance_points) << 1e3 * off_m << " mm along " << direction.transpose();
       before = score;
     }
   }
   double before = 101.0;
   for (const double tilt_rad : {0.0, 3.5 * kDegree, 7.0 * kDegree, 14.0 * kDegree}) {
     const double score = ScoreOfReaming(tilt_rad, Vector3::Zero(), 0.0);
-    EXPECT_LE(score, before + kResolution) << tilt_rad / kDegree << " degrees";
+    EXPECT_LE(score, before + kTolerance_points) << tilt_rad / kDegree << " degrees";
     before = score;
   }
 }

@@ -15,7 +15,8 @@ bool ShouldRead(Reader& section, Keys keys, const char* key) {
   return keys == Keys::kAll || section.Has(key);
 }
 
-void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admittance) {
+// Reads the virtual tool's mass, inertia, damping and dead zones: the keys of `admittance` that are gains.
+void ReadAdmittanceGains(Reader& section, Keys keys, control::AdmittanceParams& admittance) {
   const auto read_triple = [&](const char* key, double min, double max, Vector3& value) {
     if (ShouldRead(section, keys, key)) value = section.Triple(key, min, max);
   };
@@ -28,11 +29,6 @@ void ReadAdmittance(Reader section, Keys keys, control::AdmittanceParams& admitt
   read_triple("damping_Nms_per_rad", 0.01, 100, admittance.damping_Nms_per_rad);
   read_number("dead_zone_N", 0, 50, admittance.dead_zone_N);
   read_number("dead_zone_Nm", 0, 5, admittance.dead_zone_Nm);
-  if (keys != Keys::kAll) return;
-  if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
-  if (section.Has("locked"))
-    for (const std::size_t axis : section.Words("locked", {"x", "y", "z", "rx", "ry", "rz"}))
-      admittance.locked[axis] = true;
 }
 
 // Reads the coupling's stiffness and damping: the keys of `coupling` that are gains.
@@ -48,7 +44,11 @@ void ReadCouplingGains(Reader& section, Keys keys, control::CouplingParams& coup
 }  // namespace
 
 void ReadAdmittance(Reader section, control::AdmittanceParams& admittance) {
-  ReadAdmittance(section, Keys::kAll, admittance);
+  ReadAdmittanceGains(section, Keys::kAll, admittance);
+  if (section.Has("centre_m")) admittance.centre_T_m = section.Triple("centre_m", -2, 2);
+  if (section.Has("locked"))
+    for (const std::size_t axis : section.Words("locked", {"x", "y", "z", "rx", "ry", "rz"}))
+      admittance.locked[axis] = true;
 }
 
 void ReadCoupling(Reader section, control::CouplingParams& coupling) {
@@ -69,7 +69,10 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
   // copies, so that an error leaves the caller's gains unchanged
   control::AdmittanceParams new_admittance = admittance;
   control::CouplingParams new_coupling = coupling;
-  if (reader.Has("admittance")) ReadAdmittance(reader.Section("admittance"), Keys::kAny, new_admittance);
+  if (reader.Has("admittance")) {
+    Reader section = reader.Section("admittance");
+    ReadAdmittanceGains(section, Keys::kAny, new_admittance);
+  }
   if (reader.Has("coupling")) {
     Reader section = reader.Section("coupling");
     ReadCouplingGains(section, Keys::kAny, new_coupling);
@@ -90,7 +93,7 @@ control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law la
   control::CouplingParams coupling;
   control::ApplyGains(own, admittance, coupling);
   ApplyGainsFile(file, law, admittance, coupling, max_stiffness_N_per_m);
-  // if the file does not set it, the cell's own is used, up to the allowed maximum
+  // the file's stiffness is within the maximum by now; the cell's own, if the file has none, may be above it
   coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, max_stiffness_N_per_m);
   return control::GainsOf(admittance, coupling);
 }

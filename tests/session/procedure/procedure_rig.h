@@ -52,6 +52,8 @@ struct Rig {
   };
   Rig(const std::string& name, double seconds, const SessionFile* resumed = nullptr)
       : Rig(name, Choice{.seconds = seconds, .resumed = resumed}) {}
+  /// Sets up the cell, its tools, script and engine, and the session, but runs nothing. A resumed session
+  /// begins with the tool of its last segment and records to run_2.mcap.
   Rig(const std::string& name, const Choice& choice) : folder(TemporaryPath(name)) {
     std::filesystem::create_directories(folder);
     const SessionFile* resumed = choice.resumed;
@@ -61,7 +63,7 @@ struct Rig {
     setup = std::make_unique<CellSetup>(PackedCell(first_mm));
     procedure::SurgicalPlan plan;
     plan.name = "two";
-    for (const double height_mm : {-1.0, -2.0})
+    for (const double height_mm : {-1.0, -2.0})  // of the tools' apexes: the second reamer goes 1 mm deeper
       plan.tools.push_back(
           {.diameter_m = 1e-3 * list.diameters_mm[plan.tools.size()], .height_m = 1e-3 * height_mm});
     if (choice.guided) {

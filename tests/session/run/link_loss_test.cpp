@@ -12,25 +12,24 @@
 namespace osteon::session {
 namespace {
 
-using Lossy = VirtualRun;
-
 constexpr double kMaxStep_rad = 2e-3;  // one millisecond at 2 rad/s
 
-// Loses the share `loss` of the packets in each direction, from from_s to to_s, in a run of `seconds`.
+// Runs the thin plate's cell for `seconds` with the policy above. From from_s to to_s, each direction of the
+// arm's link loses the share `loss` of its packets. The arm's program requests motion again after a loss.
 // @param recoveries  how often the run may recover by itself
-Lossy Ride(double loss, double from_s, double to_s, double seconds, int recoveries) {
-  const auto lossy = [&](config::CellConfig& cell) {
+VirtualRun RunWithPacketLoss(double loss, double from_s, double to_s, double seconds, int recoveries) {
+  const auto add_packet_loss = [&](config::CellConfig& cell) {
     cell.simulated.fri.quality.end_after_lost_in_a_row = 5;
     cell.simulated.fri.quality.end_after_lost_per_s = 25;
     cell.simulated.fri.quality.good_max_lost_per_s = 24;
     cell.simulated.fri.request_again_after_loss = true;
     cell.injections.injections = {{.from_s = from_s, .to_s = to_s, .faults = {.loss = loss}}};
   };
-  return RunInVirtualTime("thin_plate", seconds, lossy, recoveries);
+  return RunInVirtualTime("thin_plate", seconds, add_packet_loss, recoveries);
 }
 
 TEST(LinkLoss, ALossOfHalfAPercentCausesNoFaultAndIsCountedExactly) {
-  const Lossy run = Ride(0.005, 0.0, 1e9, 10.0, 0);
+  const VirtualRun run = RunWithPacketLoss(0.005, 0.0, 1e9, 10.0, 0);
   EXPECT_TRUE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
@@ -41,19 +40,20 @@ TEST(LinkLoss, ALossOfHalfAPercentCausesNoFaultAndIsCountedExactly) {
   EXPECT_GT(out["lost"].get<unsigned>(), 20u);
   EXPECT_EQ(run.summary.link.lost, in["lost"].get<unsigned>()) << "messages";
   EXPECT_EQ(run.summary.link.answers_lost, out["lost"].get<unsigned>())
-      << "answers, as the arm reflects them";
+      << "lost answers, by the sequence numbers that the arm sends back";
+  // the arm misses an answer where its message or the answer was lost
   EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(),
             in["lost"].get<unsigned>() + out["lost"].get<unsigned>());
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
 TEST(LinkLoss, ALossOfThreePercentEndsCommandingAndTheRunRecoversWithoutAJump) {
-  const Lossy run = Ride(0.03, 2.0, 5.0, 8.0, 100);
-  EXPECT_GT(run.summary.recovered, 0) << "it was ended";
-  EXPECT_TRUE(run.summary.faults.empty()) << "and is over";
+  const VirtualRun run = RunWithPacketLoss(0.03, 2.0, 5.0, 8.0, 100);
+  EXPECT_GT(run.summary.recovered, 0) << "the arm never left COMMANDING_ACTIVE";
+  EXPECT_TRUE(run.summary.faults.empty()) << "a fault remains after the last recovery";
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_LE(run.summary.peak_force_N, run.summary.force_limit_N);
-  std::uint32_t activations = 0;
+  std::uint32_t activations = 0;  // each recovery begins a new one
   for (const control::TickRecord& tick : run.recording.ticks)
     activations = std::max(activations, tick.input.activation);
   EXPECT_EQ(activations, static_cast<std::uint32_t>(run.summary.recovered) + 1);
@@ -62,7 +62,7 @@ TEST(LinkLoss, ALossOfThreePercentEndsCommandingAndTheRunRecoversWithoutAJump) {
 }
 
 TEST(LinkLoss, WithoutARecoveryTheEndOfCommandingIsAFault) {
-  const Lossy run = Ride(0.03, 0.5, 1e9, 8.0, 0);
+  const VirtualRun run = RunWithPacketLoss(0.03, 0.5, 1e9, 8.0, 0);
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.faults.front().name, "arm left COMMANDING_ACTIVE");
 }
