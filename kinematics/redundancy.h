@@ -12,9 +12,9 @@
 namespace osteon::kinematics {
 
 struct PosturePreferenceParams {
-  double limit_zone_rad{0.35};           ///< width of the zone at each end of a joint's range; > 0
-  double limit_speed_rad_per_s{0.3};     ///< preferred speed at the limit itself; >= 0
-  double singular_zone_m{0.07};          ///< smaller singular values than this are increased; > 0
+  double limit_zone_rad{0.35};        ///< width of the zone at each end of a joint's range; > 0
+  double limit_speed_rad_per_s{0.3};  ///< preferred speed at the limit itself; >= 0
+  double singular_zone_m{0.07};       ///< postures with a smaller singular value than this are avoided; > 0
   double singular_speed_rad_per_s{0.3};  ///< preferred speed at a singular value of zero; >= 0
   /// Factor on the wanted load: from a posture that holds less than this multiple, the arm is led to one that
   /// holds more; > 1.
@@ -31,9 +31,12 @@ struct LoadTarget {
   JointVectorN<N> torque_limit_Nm{JointVectorN<N>::Zero()};  ///< of the drives; > 0
 };
 
-/// Leads away from the joints' limits: minus the gradient of sum_i ((zone - d_i) / zone)^3 zone / 3, d_i the
-/// distance to the nearer limit. Zero in mid range, continuously differentiable everywhere.
-/// @param margin_rad distance kept from the limits.
+/// Leads away from the joints' limits: joint i moves away from its limit with the speed
+///
+///     limit_speed ((zone - d_i) / zone)^2        d_i: distance to the nearer limit less margin_rad
+///
+/// where d_i is below the zone, and rests elsewhere. The speed is continuously differentiable.
+/// @param margin_rad distance kept from the limits: there, a joint has the whole speed.
 template <int N>
 [[nodiscard]] JointVectorN<N> AwayFromLimits(
     const PosturePreferenceParams& params, const std::array<JointLimits, static_cast<std::size_t>(N)>& limits,
@@ -70,7 +73,7 @@ template <int N>
 struct LoadedPosture {
   const JointVectorN<N>& q;  ///< [rad]
   const JointVectorN<N>& n;  ///< unit null direction at q; zero: none
-  double held{0.0};          ///< HeldLoad at q: in a tick its inputs are known already
+  double held{0.0};  ///< HeldLoad at q, by the caller: a tick has the Jacobian and gravity at q already
 };
 
 /// Leads toward postures that hold more of the load: along the slope of HeldLoad in the unit null direction
@@ -78,9 +81,9 @@ struct LoadedPosture {
 ///
 ///     qd = speed depth^2 k' / (|k'| + 0.2/rad) n       depth = (zone - k) / (zone - 1), 0 … 1
 ///
-/// k is the minimum over the joints of smooth functions, with edges where the limiting joint changes. k' is
-/// the difference over ±0.02 rad, an average slope, so that the motion ends on an edge instead of alternating
-/// across it.
+/// with k = HeldLoad at q, its slope k' along n, load_zone and load_speed_rad_per_s; with a slope of 0.2/rad
+/// the speed is half. k has a kink wherever another joint becomes the one that limits it. So that the motion
+/// stops at a kink instead of alternating across it, k' is the difference of k over ±0.02 rad.
 /// @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params,

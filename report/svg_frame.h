@@ -13,7 +13,7 @@ namespace osteon::report {
 inline constexpr double kFontPx = 12.5;       ///< font size of texts
 inline constexpr double kTitlePx = 14.5;      ///< font size of titles
 inline constexpr double kLegendRowPx = 20.0;  ///< from one row of a legend to the next
-/// Height of the strip for the names of spans; also the width of a turned axis label.
+/// Height of the strip above a plot that names its shaded spans of x; also the width of a turned axis label.
 inline constexpr double kLabelStripPx = 19.0;
 
 /// Makes a <text> element. `anchor` is start, middle or end; `extra` is further attributes.
@@ -31,7 +31,7 @@ inline constexpr double kLabelStripPx = 19.0;
 [[nodiscard]] std::string SvgDocument(double width, double height, std::string_view title,
                                       std::string_view body);
 
-/// The area between the axes and the values at its edges.
+/// The rectangle in which data are drawn, and the range of values along each axis.
 struct PlotArea {
   double left{0.0}, top{0.0}, width{0.0}, height{0.0};  ///< [px]
   Range x{}, y{};

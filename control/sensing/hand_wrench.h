@@ -7,15 +7,15 @@ namespace osteon::control {
 
 /// The force sensor on the flange, and the load on its tool side.
 struct ForceSensorParams {
-  PlainPose X_FS{};                ///< pose in the flange of the sensor frame that its manufacturer defines
-  double tool_mass_kg{0.0};        ///< mass on the sensor's tool side
+  PlainPose X_FS{};          ///< pose of the sensor's frame, as its manufacturer defines it, in the flange's
+  double tool_mass_kg{0.0};  ///< mass on the sensor's tool side
   PlainVector3 tool_center_F_m{};  ///< centre of that mass
   PlainWrench bias_S{};            ///< reading without load
   /// Inertia about that centre, along F's axes [kg m^2]. Zero if unknown: its torque is then not compensated.
   PlainInertia tool_inertia_F{};
   /// Share of the tool's inertial force that is compensated, 0 … 1. tool_inertia.h explains its bound.
   double inertia_share{0.0};
-  double acceleration_hz{15.0};  ///< corner frequency of the two filters on the acceleration
+  double acceleration_hz{15.0};  ///< corner of both low-pass filters on the tool's estimated acceleration
 };
 
 /// @throws std::invalid_argument naming the field, the value and what is accepted.
@@ -27,8 +27,11 @@ void Validate(const ForceSensorParams& params);
 /// Computes the hand's wrench on the tool from the sensor's reading: removes the tool's weight and moves the
 /// wrench to the tool's origin.
 ///
-///     f = R_WS f - m g                      g = kGravity_W, (f, t) = F_S - bias
-///     t = R_WS t + (p_S - p_T) x R_WS f - (p_c - p_T) x m g
+///     (f_S, t_S) = F_S - bias               at S's origin, in S
+///     f = R_WS f_S - m g
+///     t = R_WS t_S + (p_WS - p_WT) x R_WS f_S - (p_Wc - p_WT) x m g
+///
+/// with the mass m = tool_mass_kg, its centre c, and g = kGravity_W.
 ///
 /// The result still includes the tool's inertial force, which the caller removes by adding InertiaWrench
 /// (tool_inertia.h).
