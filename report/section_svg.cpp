@@ -79,9 +79,9 @@ std::string DrawWindow(const Section& section, const simulation::Bone& bone, con
   area.top = 2.0 + block.height_px + 6.0;
   std::string body = block.svg + DrawGrid(area, x_ticks, y_ticks);
 
-  // the remaining bone, coloured by material inside its outline; ids are unique to this drawing, so that
-  // several fit on a page
+  // the remaining bone, coloured by material inside its outline
   const std::string solid = PathData(section.solid, area);
+  // a hash of the drawing makes the ids of its clip paths unique: several drawings may stand in one page
   const std::string id = fmt::format("section-{:x}", std::hash<std::string>{}(solid + Pixels(area.x.min)));
   body += fmt::format("<clipPath id=\"{}-window\">{}</clipPath>\n", id,
                       SvgRect(area.left, area.top, area.width, area.height, "#000000"));

@@ -92,7 +92,8 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
   if (abort_ == ExcitationAbort::kNone && !done_) abort_ = Check(tick, step_.x_m);
   if (abort_ == ExcitationAbort::kNone && !done_ && LosesAnswers(tick, messages))
     abort_ = ExcitationAbort::kAnswersLost;
-  if (abort_ == ExcitationAbort::kArmLeft) {  // the arm is where its own controller has it
+  if (abort_ == ExcitationAbort::kArmLeft) {
+    // the arm no longer follows commands: there is no motion to brake
     step_ = {.path = step_.path, .abort = abort_};
     done_ = true;
     return step_;
@@ -136,8 +137,8 @@ double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
   return std::clamp(overlay_scale_ * f_N, -overlay.max_force_N, overlay.max_force_N);
 }
 
-// Waits at rest in the pause, and averages the force meanwhile. Then the excitation begins, about the command
-// that the loop holds.
+// A tick of the rest before the excitation: averages the force, whose mean becomes its zero. After wait_s the
+// excitation begins, about the command that the loop holds.
 void ExcitedHold::BeginExcitation(const ExcitedTick& tick) OSTEON_RT {
   if (waited_ > 0 && tick.activation != activation_) waited_ = 0;
   if (waited_ == 0) force_zero_S_N_.setZero();

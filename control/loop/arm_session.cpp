@@ -7,7 +7,7 @@
 namespace osteon::control {
 namespace {
 
-// Longest gap between two messages that counts in a velocity.
+// A longer gap between two messages counts as this many periods in the measured velocity.
 constexpr double kMaxPeriods = 10.0;
 // A joint that is slower counts as standing still. The limit is above an encoder's step per period, and below
 // the speed of a coasting arm.

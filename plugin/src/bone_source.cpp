@@ -144,7 +144,9 @@ BoneSource FromPacking(const OsteonBoneParams& params) {
   return source;
 }
 
-BoneSource FromScene(const OsteonBoneParams& params) {
+// Packs the scene's own solid or, if the caller names a mesh file, that mesh with the scene's materials and
+// packing; a mesh needs a site.
+BoneSource FromSceneOrMesh(const OsteonBoneParams& params) {
   const std::filesystem::path config = ConfigFolder(params.config_folder);
   simulation::SceneParams scene =
       config::LoadScene(FindShipped(config, "scenes", params.scene ? params.scene : "acetabulum"));
@@ -182,13 +184,13 @@ BoneSource MakeBone(const OsteonBoneParams& params) {
         OSTEON_ERROR_ARGUMENT,
         fmt::format("bone: found {} of mesh_file, packing_file and balls_mm, accepted one", sources));
   if (params.balls_mm) return FromBalls(params);
-  return params.packing_file ? FromPacking(params) : FromScene(params);
+  return params.packing_file ? FromPacking(params) : FromSceneOrMesh(params);
 }
 
 namespace {
 
-// Loads a tool. If it does not come in this size, the error names the caller's field and, as the tool's file
-// does, sizes in mm.
+// Loads a tool in this size; 0: the size of its file. If there is no such size, the error names diameter_m,
+// and the sizes that there are, in mm as in the tool's file.
 config::ToolConfig LoadSized(const std::filesystem::path& file, double diameter_m) try {
   return config::LoadTool(file, diameter_m == 0.0 ? std::nullopt : std::optional(diameter_m));
 } catch (const config::ToolSizeError& error) {

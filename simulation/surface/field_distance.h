@@ -14,15 +14,16 @@ struct CarvedSnapshot {
 
 /// Signed distance [mm] of the carved bone at a place; negative in bone, limited to 3 voxels on either side.
 ///
-///     max(solid, swept), each interpolated between its eight nodes: a rim stays sharp
+///     max(solid, swept)      solid: negative in bone; swept: positive where the tool has been
 ///
-/// The error is at most h²/8 (1/R1 + 1/R2) beside a face with radii of curvature R1 and R2, for voxels of
-/// edge h. Beyond the grid there is air.
+/// Each is interpolated between its eight nodes before the maximum is taken, so that the rim where they meet
+/// stays sharp. Near a smooth face with radii of curvature R1 and R2 the error is at most h²/8 (1/R1 + 1/R2),
+/// for voxels of edge h. Outside the grid there is air: 3 voxels.
 [[nodiscard]] float CarvedDistance(const BrickLayout& layout, const BrickField& solid,
                                    const BrickField& swept, Vec3 p_mm);
 
-/// Whether two carved bones are the same at every node that a brick's chunk depends on. False where they lie
-/// in different grids.
+/// Whether two carved bones have the same values at all nodes of a brick and its neighbours: both then have
+/// the same surface in this brick. False if they lie in different grids. @pre other.solid is not null
 [[nodiscard]] bool SameAround(const CarvedField& field, const CarvedSnapshot& other, BrickIndex brick);
 
 }  // namespace osteon::surface

@@ -12,16 +12,16 @@ namespace osteon::studies {
 /// Options of `osteon bench frame`.
 struct BenchFrameOptions {
   std::filesystem::path config_root;
-  std::string scene{"acetabulum"};  ///< or "molar": its recorded motion and its burr
+  std::string scene{"acetabulum"};  ///< or "molar", which is timed with its recorded motion and burr
   std::size_t spheres{0};           ///< 0: the scene's own packing
-  bool uniform{false};              ///< packs with CountedGrade::kUniform
+  bool uniform{false};              ///< balls of one size in the whole bone, not fine in the cut zone alone
   std::size_t tool_spheres{1};
   std::string method{"ours"};
   std::vector<std::string> compare{};  ///< further methods, timed in the same run; empty: none
   /// Engines that are timed in turn instead of methods: "vulkan", "cpu", "reference"; empty: none.
   std::vector<std::string> engines{};
-  /// Values of BenchWorkloadNames(), in place of `scene` and `tool_spheres`; `spheres` then replaces the
-  /// number of each workload.
+  /// Names of workloads (BenchWorkloadNames) that are timed in place of `scene` and `tool_spheres`. If
+  /// `spheres` is not 0, each of their bones has that many balls instead of its own number.
   std::vector<std::string> workloads{};
   std::size_t rounds{1};  ///< number of rounds over all workloads
   std::string device{};
@@ -31,7 +31,7 @@ struct BenchFrameOptions {
   std::filesystem::path json{};
 };
 
-/// Makes and packs the workload that the options describe.
+/// Makes the workload of `scene`, `tool_spheres` and `spheres`, and packs its bone; `workloads` is not read.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] simulation::FrameWorkload MakeBenchWorkload(const BenchFrameOptions& options);
 

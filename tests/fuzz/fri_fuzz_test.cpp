@@ -35,22 +35,22 @@ class Mutator {
   Mutator() { google::protobuf::SetLogHandler(nullptr); }
   // Up to six random changes of single bytes, or a cut.
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
-    const std::size_t changes = 1 + Below(6);
+    const std::size_t changes = 1 + RandomBelow(6);
     for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
-      const std::size_t at = Below(bytes.size());
+      const std::size_t at = RandomBelow(bytes.size());
       const auto here = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-      switch (Below(6)) {
+      switch (RandomBelow(6)) {
         case 0:
-          *here = static_cast<std::uint8_t>(Below(256));
+          *here = static_cast<std::uint8_t>(RandomBelow(256));
           break;
         case 1:
-          *here ^= static_cast<std::uint8_t>(1u << Below(8));
+          *here ^= static_cast<std::uint8_t>(1u << RandomBelow(8));
           break;
         case 2:
           bytes.resize(at);
           break;
         case 3:
-          bytes.insert(here, static_cast<std::uint8_t>(Below(256)));
+          bytes.insert(here, static_cast<std::uint8_t>(RandomBelow(256)));
           break;
         case 4:
           bytes.erase(here);
@@ -61,18 +61,19 @@ class Mutator {
     }
     return bytes;
   }
-  // Mostly changes only the message and frames it anew, since 2.7's CRC would reject nearly all other
-  // changes.
+  // A changed datagram of the message. Of 2.7, seven in eight have a changed message in a frame with its
+  // right CRC, since the CRC would reject nearly all other changes.
   std::vector<std::uint8_t> Change(FriFamily family, const fri::FRIMonitoringMessage& message) {
-    if (family != FriFamily::k2_7 || Below(8) == 0) return Change(test::Datagram(family, message));
+    if (family != FriFamily::k2_7 || RandomBelow(8) == 0) return Change(test::Datagram(family, message));
     return test::Framed(Change(test::Bytes(message)));
   }
   std::vector<std::uint8_t> Noise() {
-    std::vector<std::uint8_t> bytes(Below(kFriMaxDatagram + 100));
-    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(Below(256));
+    std::vector<std::uint8_t> bytes(RandomBelow(kFriMaxDatagram + 100));
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(RandomBelow(256));
     return bytes;
   }
-  std::size_t Below(std::size_t n) { return random_() % n; }
+  // A random number from 0 to n - 1.
+  std::size_t RandomBelow(std::size_t n) { return random_() % n; }
 
  private:
   std::mt19937 random_{kSeed};
@@ -88,8 +89,8 @@ TEST(FriFuzz, ATruncatedMessageIsRefusedOrStillHasAllRequiredFields) {
       const CodecError error = DecodeMonitoring(family, cut, m);
       (void)DetectFamily(cut);
       no_alloc.End();
-      // a message without a frame may be accepted without its last field (5 or 6), if the required ones are
-      // there
+      // Only 2.7 frames its message with a length and a CRC. A message of the others that is cut before its
+      // last field of protobuf may be accepted, if it has the required ones.
       if (error == CodecError::kNone) {
         ASSERT_TRUE(m.q_meas && m.q_ipo) << size;
         ASSERT_TRUE(family != FriFamily::k2_7 || size == whole.size());
@@ -106,8 +107,8 @@ TEST(FriFuzz, AnAcceptedMessageIsFiniteAndInRange) {
   int accepted = 0, refused = 0;
   const int runs = Runs(60'000);
   for (int i = 0; i < runs; ++i) {
-    const FriFamily family = kFamilies[mutator.Below(3)];
-    const auto state = static_cast<fri::SessionState>(mutator.Below(5));
+    const FriFamily family = kFamilies[mutator.RandomBelow(3)];
+    const auto state = static_cast<fri::SessionState>(mutator.RandomBelow(5));
     const auto bytes =
         i % 4 == 3
             ? mutator.Noise()
@@ -153,18 +154,18 @@ TEST(FriFuzz, TheSessionNeverSendsAValueThatIsNotFinite) {
   int answers = 0;
   const int runs = Runs(20'000);
   for (int i = 0; i < runs; ++i) {
-    const std::size_t which = mutator.Below(3);
+    const std::size_t which = mutator.RandomBelow(3);
     const FriFamily family = kFamilies[which];
     FriSession& session = sessions[which];
-    const auto kind = static_cast<fri::SessionState>(mutator.Below(5));
+    const auto kind = static_cast<fri::SessionState>(mutator.RandomBelow(5));
     fri::FRIMonitoringMessage message = test::FullMonitoring(static_cast<std::uint32_t>(i), kind, family);
     message.mutable_ipodata()->set_clientcommandmode(
-        static_cast<fri::ClientCommandMode>(mutator.Below(family == FriFamily::k1 ? 4 : 5)));
+        static_cast<fri::ClientCommandMode>(mutator.RandomBelow(family == FriFamily::k1 ? 4 : 5)));
     session.Accept(mutator.Change(family, message), i, state);
     control::ArmCommand command{.q = test::Joints(0.3), .activation = state.activation};
     command.F.f = Vector3(1, 2, 3);
-    if (i % 3 == 0) command.q[mutator.Below(7)] = std::nan("");
-    if (i % 5 == 0) command.tau[mutator.Below(7)] = std::nan("");
+    if (i % 3 == 0) command.q[mutator.RandomBelow(7)] = std::nan("");
+    if (i % 5 == 0) command.tau[mutator.RandomBelow(7)] = std::nan("");
     if (i % 7 == 0) command.F.t.y = std::nan("");
     const auto answer = session.Answer(command);
     if (answer.empty()) continue;

@@ -10,7 +10,8 @@
 namespace osteon::kinematics {
 namespace {
 
-// The iiwa 14 as in robot descriptions: origins off the axes, in the frame of the previous joint.
+// The iiwa 14 as robot descriptions (URDF) have it: each joint's origin lies on its axis, but not on the
+// arm's centre line. Origins are in the frame of the previous joint.
 ChainParams<7> DescribedArm() {
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> origin{
@@ -52,7 +53,8 @@ TEST(LbrParams, LengthsFollowFromTheAxesOfADescription) {
 // The same arm described by Denavit-Hartenberg frames, in which every joint turns about its z.
 TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
   ChainParams<7> chain = DescribedArm();
-  Matrix3 R_before = Matrix3::Identity();  // of the previous link, new frame in old
+  Matrix3 R_before =
+      Matrix3::Identity();  // the previous link's Denavit-Hartenberg frame in its described one
   for (RevoluteJoint& joint : chain.joints) {
     const Matrix3 R = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), joint.axis_J).toRotationMatrix();
     joint.X_PJ = Pose(R_before.transpose()) * joint.X_PJ * Pose(R);
@@ -65,7 +67,7 @@ TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
   EXPECT_NEAR(params.wrist_to_flange_m, 0.126, 1e-15);
 }
 
-TEST(LbrParams, ErrorNamesTheAxisThatMissesAndItsOffset) {
+TEST(LbrParams, ErrorNamesAMisplacedTiltedOrReversedAxis) {
   for (std::size_t i = 0; i < 7; ++i) {
     const std::string name = "axis of A" + std::to_string(i + 1);
     // sideways: no longer through shoulder, elbow or wrist
@@ -97,7 +99,7 @@ TEST(LbrParams, RefusesAFlangeOffItsAxisOrTurnedAndA4BelowA2) {
   EXPECT_NE(ErrorMessage(chain).find("A4 is not above A2"), std::string::npos) << ErrorMessage(chain);
 }
 
-TEST(LbrParams, ParamsOfTheChainAreThoseTheChainWasMadeOf) {
+TEST(LbrParams, AChainMadeOfParamsGivesTheSameParamsBack) {
   const LbrParams arm = Iiwa14(), recovered = LbrParamsFrom(ChainFrom(arm));
   EXPECT_EQ(recovered.base_to_shoulder_m, arm.base_to_shoulder_m);
   EXPECT_EQ(recovered.shoulder_to_elbow_m, arm.shoulder_to_elbow_m);

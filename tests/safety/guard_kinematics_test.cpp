@@ -12,8 +12,9 @@
 #include "safety/guard_monitor.h"
 #include "tests/kinematics/chain_samples.h"
 
-// This program links neither osteon::kinematics nor osteon::safety, which proves that the guard calls nothing
-// of them. Its kinematics is compared with KDL and with poses worked out by hand.
+// This program links the library osteon::guard, but neither osteon::kinematics nor osteon::safety: that it
+// links proves that the guard runs no code of the loop that it supervises. The guard's kinematics is compared
+// with KDL and with poses worked out by hand.
 
 namespace osteon::safety {
 namespace {
@@ -130,7 +131,7 @@ TEST(GuardKinematics, EqualsPosturesOfAnIiwaThatWereWorkedOutByHand) {
   expect(q, 0.78 * z, 1.18 * z + 0.126 * x, 1.18 * z + 0.226 * x, x);
   q[4] = right;  // and A5 about z: along y
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
-  q[6] = right;  // A7 about the hand's own axis turns the tool's x from -z to x
+  q[6] = right;  // A7 turns about the tool's own axis: its x goes from -z to -x
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
   EXPECT_LT((arm.ComputePlacement(q).R_WT.col(0) - (-x)).norm(), 1e-12)
       << arm.ComputePlacement(q).R_WT.col(0).transpose();

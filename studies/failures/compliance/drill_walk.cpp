@@ -29,8 +29,8 @@ constexpr double kAbove_m = 0.2e-3;  // distance along the axis between the apex
 // The impedance law's overlay allows less stiffness.
 constexpr double kAdmittance_N_per_m = 60e3, kImpedance_N_per_m = 10e3;
 
-// How the drill's bending is computed: together with each frame's planes (a baseline), or by our element,
-// whose state follows the force.
+// How the drill's bending is computed: in equilibrium with each frame's planes (a baseline), or by
+// control::Compliance, whose bend follows the force with the lag ToolLinkParams::tau_s.
 enum class Bending : std::uint8_t { kSolvedWithPlanes, kElement };
 
 // Bone, drill and its bending, and the parameters of the cut.
@@ -67,7 +67,7 @@ Scene MakeScene(bool full, double stiffness_N_per_m) {
 struct HoleResult {
   double aside_m{0.0};  ///< distance of the head from the axis that it was aimed along, at kSeen_s
   bool fault{false};
-  std::vector<Pose> handle{};  ///< pose of the rigid tool, each millisecond
+  std::vector<Pose> handle{};  ///< pose that the tool would have without its bend, each millisecond
   FailureSeries series;
 };
 
@@ -97,8 +97,8 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
   return X_WT * control::BentHead(e);
 }
 
-// Repeats the handle's path of a ride at a finer period or with another bending. @param ticks_in_ms  number
-// of ticks and frames per millisecond
+// Drills again along a recorded path of the handle, without the servo loop: with a finer period, or with the
+// bending computed in another way. @param ticks_in_ms  number of ticks and frames per millisecond
 HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
                       Bending bending, int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
@@ -110,7 +110,7 @@ HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const s
   control::Compliance compliance(parts, dt_s);
   control::CouplingParams coupling;
   coupling.max_stiffness_N_per_m = scene.cutting.stiffness_N_per_m;
-  coupling.damping_Ns_per_m = 0.0;  // the drill's rate of bending dissipates the energy
+  coupling.damping_Ns_per_m = 0.0;  // the lag of the drill's bending dissipates energy
   control::CouplingState state;
   state.fade = 1.0;
   HoleResult hole_result;
@@ -173,6 +173,7 @@ HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control
           [&](const simulation::ToolCommand& command) {
             return engine->Step(FrameAt(Pose(command.X_WT), command.spindle_rad_per_s, kTick_s));
           },
+      // records how far aside the head is, and the tool's pose without its bend
       .seen =
           [&](int tick, const LawRideTick& state) {
             const Vector3 from_start = state.X_ME.translation() - X_start.translation();

@@ -30,7 +30,8 @@ double Overlap(const simulation::Bone& bone, const Vector3& center_m) {
 
 // Penetration of the tool's ball into the post in one turn.
 struct TurnPenetration {
-  double arc_m{0.0};  ///< deepest penetration of the ball on its path to first contact
+  double arc_m{
+      0.0};  ///< deepest true penetration on the path up to the first contact that the engine reports
   double end_m{0.0};  ///< penetration of the proxy at the end
 };
 

@@ -60,7 +60,7 @@ void SetFrameTimes(CellSetup& setup, double us) {
 }
 
 /// What remains of a run of a cell in virtual time.
-struct Ride {
+struct MeasuredRun {
   CellRunResult result;
   RunSummary summary;
   io::Recording recording;
@@ -69,9 +69,10 @@ struct Ride {
   double error_m{0.0};     ///< error of the cut, measured against the proxy's sweep
 };
 
-// Runs a cell that is planned for an error. @param slow  the first 300 frames in contact take kSlow_us, all
-// others kFast_us; false: all frames take kFast_us
-Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) {
+// Plans a cell's packing for an error of the cut of error_m, runs the cell in virtual time, and measures the
+// error of its cut. @param slow  the first 300 frames in contact take kSlow_us, all others kFast_us; false:
+// all frames take kFast_us
+MeasuredRun RunAndMeasure(const std::string& name, double error_m, double seconds, bool slow) {
   CellSetup setup = Planned(name, {.as_packed = false, .error_m = error_m, .rate_hz = {}});
   SetFrameTimes(setup, 2000.0);
   auto engine = MakeEngine(setup, {});
@@ -90,7 +91,7 @@ Ride RideOf(const std::string& name, double error_m, double seconds, bool slow) 
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  Ride ride;
+  MeasuredRun ride;
   const RunAccumulator run = AccumulateRun(setup, *recording);
   ride.summary = Summarise(setup, **engine, params, *result, run);
   const auto& last = result->rezoned;
@@ -115,12 +116,12 @@ struct Case {
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.cell; }
 
-class AdaptiveResolutionRide : public testing::TestWithParam<Case> {};
+class AdaptiveResolutionRun : public testing::TestWithParam<Case> {};
 
-TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval) {
+TEST_P(AdaptiveResolutionRun, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval) {
   const Case asked = GetParam();
-  const Ride ride = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
-             calm = RideOf(asked.cell, 1e-3 * asked.error_mm, 3.0, false);
+  const MeasuredRun ride = RunAndMeasure(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
+                    calm = RunAndMeasure(asked.cell, 1e-3 * asked.error_mm, 3.0, false);
   EXPECT_TRUE(calm.result.rezoned.empty());
   ASSERT_FALSE(ride.result.rezoned.empty());
   const Rezoned& first = ride.result.rezoned.front();
@@ -159,7 +160,8 @@ TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemova
   EXPECT_NEAR(last_m3, calm.result.after.removed_volume_m3, 0.1 * calm.result.after.removed_volume_m3);
 
   // the wrench steps no more at the exchange of packings than without one
-  const auto step_N = [&](const Ride& of) {
+  // largest change of the coupling force from tick to tick, within 50 ms of the first exchange
+  const auto max_force_step_N = [&](const MeasuredRun& of) {
     double most_N = 0.0;
     const auto& ticks = of.recording.ticks;
     for (std::size_t i = 1; i < ticks.size(); ++i)
@@ -168,15 +170,17 @@ TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemova
             most_N, (Vector3(ticks[i].F_coupling_T_W.f) - Vector3(ticks[i - 1].F_coupling_T_W.f)).norm());
     return most_N;
   };
-  const auto force_N = [&](const Ride& of) {
+  // coupling force in the first tick after the first exchange
+  const auto force_after_exchange_N = [&](const MeasuredRun& of) {
     for (const control::TickRecord& tick : of.recording.ticks)
       if (tick.stamp > first.stamp) return Vector3(tick.F_coupling_T_W.f).norm();
     return 0.0;
   };
   std::printf("%s: at %.0f N, step of a tick %.2f N, %.2f N without; %zu -> %zu balls\n", asked.cell,
-              force_N(calm), step_N(ride), step_N(calm), ride.balls, first.bone.balls.size());
-  EXPECT_GT(force_N(calm), 1.0) << "in contact";
-  EXPECT_LT(step_N(ride), step_N(calm) + 3.0);
+              force_after_exchange_N(calm), max_force_step_N(ride), max_force_step_N(calm), ride.balls,
+              first.bone.balls.size());
+  EXPECT_GT(force_after_exchange_N(calm), 1.0) << "in contact";
+  EXPECT_LT(max_force_step_N(ride), max_force_step_N(calm) + 3.0);
 
   // the recording's events and the summary name the coarser zones
   const auto told = [&](const char* text) {
@@ -192,7 +196,7 @@ TEST_P(AdaptiveResolutionRide, CoarsensZonesUnderLoadWithoutAStepInForceOrRemova
   EXPECT_EQ(json["planned"]["rate_hz"], kRate_hz);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cells, AdaptiveResolutionRide,
+INSTANTIATE_TEST_SUITE_P(Cells, AdaptiveResolutionRun,
                          testing::Values(Case{"demo", 0.1, true}, Case{"femoral_canal", 0.06, false}),
                          [](const auto& of) { return std::string(of.param.cell); });
 
@@ -203,7 +207,7 @@ TEST_P(PlannedScript, KeepsTheErrorThatItsSceneAsksFor) {
   const auto setup = PrepareCell(CellFile(GetParam()), std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   const double asked_m = setup->config.scene.fidelity.value().error_m;
-  const Ride ride = RideOf(GetParam(), asked_m, 9.0, false);
+  const MeasuredRun ride = RunAndMeasure(GetParam(), asked_m, 9.0, false);
   std::printf("%s: error %.4f mm of %.4f, %zu balls\n", GetParam(), ride.error_m * 1e3, asked_m * 1e3,
               ride.balls);
   EXPECT_EQ(ride.result.faults.bits(), 0u);
@@ -216,7 +220,8 @@ INSTANTIATE_TEST_SUITE_P(Cells, PlannedScript,
                          [](const auto& of) { return std::string(of.param); });
 
 TEST(AdaptiveResolution, GivesEqualStatesInEqualRuns) {
-  const Ride a = RideOf("demo", 0.1e-3, 1.5, true), b = RideOf("demo", 0.1e-3, 1.5, true);
+  const MeasuredRun a = RunAndMeasure("demo", 0.1e-3, 1.5, true),
+                    b = RunAndMeasure("demo", 0.1e-3, 1.5, true);
   ASSERT_FALSE(a.result.rezoned.empty());
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
 }
@@ -325,7 +330,8 @@ TEST(PackCell, PlansIfTheSceneOrTheChoiceAsksForAnError) {
   EXPECT_EQ(as_packed.bone.balls.size(), plain->bone.balls.size());
 }
 
-// Such a plan uses closed-form predictions instead of measured times: the machine's load does not matter.
+// A plan that is made without a clock predicts frame times by closed forms instead of measuring them, so that
+// the machine's load does not change it.
 TEST(PackCell, WithoutAClockThePlanIsRepeatable) {
   const CellSetup &a = Shipped("thin_plate"), b = Planned("thin_plate");
   ASSERT_EQ(a.bone.balls.size(), b.bone.balls.size());

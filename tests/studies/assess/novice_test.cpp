@@ -80,8 +80,8 @@ TEST(NoviceAndExpert, DifferInScoreAxisAndForce) {
   const AssessedSession expert = RunAssessedSession("expert"), novice = RunAssessedSession("novice");
   EXPECT_GT(score(expert), 85.0);
   EXPECT_LT(score(novice), score(expert) - 30.0);
-  for (const AssessedSession* session :
-       {&expert, &novice})  // run and recording count cutting time by one rule
+  // the cutting time that the session counted while it ran is that of its recording
+  for (const AssessedSession* session : {&expert, &novice})
     for (const PassFigures& pass : session->passes)
       EXPECT_NEAR(pass.figures.cutting_s, pass.pass.cutting_s, 0.01 * pass.pass.cutting_s)
           << pass.pass.number;
