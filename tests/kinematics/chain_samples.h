@@ -21,8 +21,9 @@ namespace osteon::kinematics {
 template <int N>
 [[nodiscard]] ChainParams<N> RandomChain(std::mt19937_64& random);
 
-/// @returns the chain's joints as KDL's segments, and its flange as a last segment without a joint. KDL wants
-///   a link's inertia at the segment's tip, which here is the joint itself: the described frame.
+/// @returns the chain's joints as KDL's segments, and its flange as a last segment without a joint. KDL
+/// expects a link's inertia in the frame of the segment's tip. Here that tip is the joint, so it is the same
+/// frame as in ChainParams.
 template <int N>
 [[nodiscard]] KDL::Chain KdlChain(const ChainParams<N>& params);
 

@@ -88,8 +88,8 @@ TEST_F(HalfSpacesTest, ResultMeetsTheConditionsOfOptimality) {
   EXPECT_GT(pushed, 10'000);
 }
 
-// Dykstra is slow where planes meet at a flat angle, so most, not all, have converged after 2000 sweeps; the
-// others are still checked from one side: no point of the set may be nearer.
+// Dykstra's method is slow if planes meet at a flat angle, so only most cases converge within 2000 sweeps. In
+// the others one check remains: Dykstra's point must not be nearer than the solver's.
 TEST_F(HalfSpacesTest, AlternatingProjectionsFindTheSamePoint) {
   int converged = 0;
   for (int n = 0; n < 300; ++n) {
@@ -121,7 +121,8 @@ TEST_F(HalfSpacesTest, CornerIsFoundExactly) {
   EXPECT_NEAR(result.multiplier[2], 3e-3, 1e-15);
 }
 
-// Parallel planes of which one, at each index in turn, lies 0.5 mm further out: that plane decides.
+// Parallel planes, one of which lies 0.5 mm further out. This plane has each index in turn, and alone
+// determines the result.
 TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   for (int foremost = 0; foremost < kMaxHalfSpaces; ++foremost) {
     Planes planes;
@@ -148,8 +149,8 @@ TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
       << "the slack is common: y may lag by 1 mm too";
 }
 
-// Random empty sets: no point of a dense search around the result has a smaller violation. The result trades
-// 1e-6 of violation against distance, hence the margin.
+// Random empty sets: no point of a dense search around the result has a smaller violation. The solver accepts
+// 1e-6 more violation for a nearer point, hence the margin.
 TEST_F(HalfSpacesTest, EmptySetGivesTheLeastViolation) {
   int empty = 0;
   for (int n = 0; n < 300; ++n) {

@@ -50,8 +50,8 @@ class LbrArmTest : public ::testing::Test {
     return q;
   }
 
-  // Random, with A2, A4 and A6 bent, and the wrist not above the shoulder: the inverse is well conditioned
-  // there.
+  // A random posture with A2, A4 and A6 bent and the wrist not above the shoulder, so that the inverse is
+  // well conditioned.
   JointVector RegularPosture() {
     while (true) {
       const JointVector q = RandomPosture();
@@ -154,8 +154,8 @@ TEST_F(LbrArmTest, InverseFromAnySeedGivesThePoseAndTheArmAngle) {
   EXPECT_GT(other_configuration, kPostures / 10);
 }
 
-// The eight solutions are known: if a bending joint changes its sign and its neighbours turn by pi, every
-// link stays in place.
+// The eight solutions follow from one: if a bending joint (A2, A4 or A6) changes its sign and its two
+// neighbours turn by pi, every link stays in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   LbrParams params = Iiwa14();
   for (JointLimits& limit : params.limits) limit = {};  // ± pi

@@ -163,9 +163,9 @@ TEST(LbrSolutions, NonFinitePoseOrArmAngleIsNotReachable) {
   }
 }
 
-// Exactly singular postures: with the posture as the seed, the posture is among the eight; every seed gives
-// the pose, to 2e-12, because a posture within 1e-12 counts as singular. A straight elbow is found only to
-// 2e-7: its sine is the square root of the reach's rounding.
+// Exactly singular postures. With the posture as the seed, the posture is among the eight solutions. Every
+// seed gives the pose to 2e-12, because a posture within 1e-12 of a singularity is treated as singular. A
+// straight elbow is found only to 2e-7: its sine is the square root of the reach's rounding.
 TEST(LbrSolutions, SolvesSingularPosturesWithEverySeed) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 5);
@@ -187,8 +187,8 @@ TEST(LbrSolutions, SolvesSingularPosturesWithEverySeed) {
   }
 }
 
-// Bent slightly to one side, a straight elbow keeps its arm angle; bent to the other side, the elbow is
-// opposite.
+// If a straight elbow is bent slightly to one side, the arm angle stays the same. If it is bent to the other
+// side, the arm angle changes by pi.
 TEST(LbrSolutions, ArmAngleKeepsItsValueOrTurnsByPiBesideAStraightElbow) {
   const LbrArm arm(Iiwa14());
   JointVector q = (JointVector() << 0.3, 0.7, -0.4, 0.0, 0.5, 0.9, -0.2).finished();

@@ -174,7 +174,8 @@ TEST(OrthoParallelArm, InverseSeededWithAPostureReturnsThePosture) {
       if (std::abs(q[5]) > kPi) ++beyond_half_a_turn;
       Joints found;
       ASSERT_TRUE(arm.Inverse(chain.FlangePose(q), q, found)) << q.transpose();
-      // 1e-2: three singularities within 1e-6 at once lose that much to rounding; a turn is 600 times that
+      // 1e-2: rounding may cost this much if three singularities are within 1e-6 at once; a full turn is 600
+      // times as much
       EXPECT_LT(PoseError(chain.FlangePose(found), chain.FlangePose(q)), 1e-13);
       EXPECT_LT((found - q).cwiseAbs().maxCoeff(), 1e-2) << q.transpose();
     }
@@ -194,7 +195,7 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllEquivalents) {
     double least = std::numeric_limits<double>::infinity();
     for (const OrthoParallelSolution& solution : solutions.configuration) {
       if (!solution.exists) continue;
-      double distance = 0.0;  // joints are independent: the nearest equivalent of each
+      double distance = 0.0;  // joints are independent: take the nearest equivalent of each joint
       for (int i = 0; i < 6; ++i) {
         const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
         double nearest = std::numeric_limits<double>::infinity();

@@ -88,8 +88,8 @@ TEST(SerialChain, AnyArmsPoseAndJacobianEqualThoseOfKdl) {
   EXPECT_LT(worst.jacobian, kRounding);
 }
 
-// Axes that are parallel, opposite, or off by less and less: the common normal that defines a frame's x
-// becomes undefined, with no effect on the results.
+// Neighbouring axes are parallel, opposite, or deviate from this by smaller and smaller angles. The common
+// normal that defines a frame's x then becomes undefined, but this must not affect the results.
 TEST(SerialChain, AlmostParallelAxesLoseNoAccuracy) {
   std::mt19937_64 random{8};
   for (const double tilt : {0.0, 1e-16, 1e-13, 1e-9, 1e-5, 1e-2})

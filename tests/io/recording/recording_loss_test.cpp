@@ -137,7 +137,8 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// Three ticks are pushed, and nothing more: the writer's thread must write them to the file by its own clock.
+// After three ticks nothing more is pushed: the writer's thread must write the ticks to the file after a time
+// of its own.
 TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());
@@ -146,7 +147,7 @@ TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
     for (;;) pause();
   });
   std::size_t found = 0;
-  // half a minute at most; a quarter of a second as a rule
+  // waits 30 s at most; the ticks usually appear within 0.25 s
   for (int look = 0; look < 3000 && found < 3; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (const auto recording = ReadRecording(path_)) found = recording->ticks.size();
@@ -166,7 +167,8 @@ TEST_F(RecordingLoss, AFullDiskIsReportedAndDoesNotDisturbTheTick) {
         Recorder::Open({.path = path_, .tick_capacity = 64, .writer_thread = false}, SomeSession());
     if (!recorder) _exit(4);
     for (std::uint64_t i = 0; i < kTicks; ++i) {
-      if (!(*recorder)->Push(SomeTick(i))) _exit(5);  // the ring is emptied in any case
+      if (!(*recorder)->Push(SomeTick(i)))
+        _exit(5);  // the writer empties the ring even if it cannot write to the file
       (*recorder)->Drain();
       shared.pushed.store(i + 1);
     }

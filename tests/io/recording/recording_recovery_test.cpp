@@ -20,7 +20,7 @@ using test::WriteAll;
 
 constexpr std::uint64_t kTicks = 400;  // of the recording below, at 1 kHz
 
-// The little-endian number of 64 bits at an offset.
+// Reads the little-endian 64-bit number at an offset.
 std::uint64_t IntAt(const std::string& bytes, std::size_t at) {
   std::uint64_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -137,7 +137,7 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(read->ticks.size(), recovery.ticks) << "a reader sees as much as is recovered";
   }
-  // cut in the middle of a chunk of many messages, nearly half of them remain
+  // a chunk of many messages is cut in the middle: nearly half of its messages remain
   const Recovery recovery = Recover(whole_.substr(0, start + size / 2));
   EXPECT_GT(recovery.unchecked, 10u);
 }
@@ -207,8 +207,8 @@ TEST_F(RecoverRecordingTest, SkipsADamagedChunkAndReportsItsPosition) {
 
 TEST_F(RecoverRecordingTest, FindsTheNextChunkAfterADamagedLength) {
   const auto chunks = Chunks(whole_);
-  for (const unsigned byte :
-       {1u, 4u, 8u}) {  // bytes of the length: slightly wrong, beyond the file's end, absurd
+  for (const unsigned byte : {1u, 4u, 8u}) {  // the byte of the length that is damaged: gives a length that
+                                              // is slightly wrong, beyond the file's end, absurd
     std::string bytes = whole_;
     bytes[chunks[2].first + byte] = static_cast<char>(bytes[chunks[2].first + byte] ^ 0x41);
     const Recovery recovery = Recover(bytes);
@@ -253,7 +253,8 @@ TEST_F(RecoverRecordingTest, AnUnreadableFileIsNotReportedAsWhole) {
   EXPECT_EQ(recovery.ticks, kTicks);
 }
 
-// Damage gives the number 0, which is the session's, to the ticks' channel too. Found by libFuzzer.
+// Damage gives the ticks' channel the number 0, which is already the session channel's number. Found by
+// libFuzzer.
 TEST_F(RecoverRecordingTest, AChannelMayTakeTheNumberOfAnEarlierChannel) {
   std::string bytes = whole_;
   const auto chunks = Chunks(bytes);
@@ -273,7 +274,7 @@ TEST_F(RecoverRecordingTest, AChannelMayTakeTheNumberOfAnEarlierChannel) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// A power cut may leave space that was never written.
+// After a power cut, a file may end with space that was never written, which reads as zeros.
 TEST_F(RecoverRecordingTest, ZerosAtTheEndCountAsACutOffTail) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');

@@ -22,11 +22,11 @@ int main(int argc, char** argv) {
     std::fputs("usage: launch COMMAND …\n", stderr);
     return 2;
   }
-  // Loads the word at this offset of seccomp_data.
+  // Makes the instruction that loads the word at this offset of seccomp_data.
   const auto load = [](std::size_t offset) {
     return sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<unsigned>(offset));
   };
-  // Skips `skip` instructions unless the loaded word equals `value`.
+  // Makes the instruction that skips `skip` instructions unless the loaded word equals `value`.
   const auto skip_unless = [](unsigned value, std::uint8_t skip) {
     return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, skip);
   };

@@ -107,7 +107,7 @@ TEST(SocketCan, ReceivesFramesOfCansend) {
   ASSERT_EQ(bus->Receive(arrival, Soon()), CanResult::kOk);
   EXPECT_EQ(arrival.frame, Frame(0x201, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
   EXPECT_FALSE(arrival.after_gap);
-  // The two clocks are read one after the other: a stamp may be off by the time in between.
+  // The two clocks are read one after the other: a stamp may be wrong by the time between the two readings.
   EXPECT_GT(arrival.stamp, before - rt::kSecond);
   EXPECT_LE(arrival.stamp, rt::MonotonicNow());
   ASSERT_EQ(bus->Receive(arrival, 0), CanResult::kOk);
@@ -117,9 +117,10 @@ TEST(SocketCan, ReceivesFramesOfCansend) {
 
 TEST(SocketCan, KernelPassesOnlyFramesThatMatchAFilter) {
   const auto bus = Open({.filters = {{.id = 0x200, .mask = 0x7F0}, {.id = 0x001}}});
-  for (const char* frame : {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
-                            "00000201#AA",  // extended identifier (29 bits) whose last 11 bits match
-                            "201#R"})       // remote transmission request
+  for (const char* frame :
+       {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
+        "00000201#AA",  // extended identifier (29 bits) whose last 11 bits equal the expected identifier
+        "201#R"})       // remote transmission request
     CanSend(frame);
   EXPECT_EQ(Received(*bus), (std::vector<std::string>{"001#AA", "200#AA", "20F#AA"}));
   EXPECT_EQ(bus->status().rejected, 0u);
