@@ -190,8 +190,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllo
 
     const MotionOutput<7> out = inverse.Step(in);
     EXPECT_GE(out.share, best - 1e-6) << n;
-    EXPECT_LE(out.share, best + 5e-3)
-        << n;  // tolerance: the search's step of r times the ratio of null to task velocities
+    EXPECT_LE(out.share, best + 5e-3) << n;  // 5e-3: the search's step of r, in shares of the twist
     for (int i = 0; i < 7; ++i) {
       EXPECT_GE(out.qd[i], low[i] - 1e-6);
       EXPECT_LE(out.qd[i], high[i] + 1e-6);
@@ -286,7 +285,7 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   double V = 0.0;
   Vector6 last = Vector6::Zero();
   double farthest = 0.0,
-         roughest = 0.0;  // largest reach [m]; largest change of the tool's velocity in a tick [m/s]
+         roughest = 0.0;  // largest reach [m], largest velocity change in a tick [m/s]
   int reversals = 0, back_after = -1;
   double last_a4 = 0.0;
   double reach_turn = 0.0;

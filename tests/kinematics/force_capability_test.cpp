@@ -100,8 +100,7 @@ TYPED_TEST(ForceCapabilityOf, LateralForceIsHeldInEveryDirectionBesideTheAxialFo
   for (int n = 0; n < 100; ++n) {
     const ArmSample<N> d = DrawArmSample<N>(random);
     const ForceCapability<N> arm = CapabilityWithGravityHelp(d);
-    const double axial_N =
-        0.5 * arm.Force(d.axis).value * (n % 3);  // none, half or all of the axial capability
+    const double axial_N = 0.5 * arm.Force(d.axis).value * (n % 3);  // none, half or all of it
     const double guaranteed = arm.LateralForce(d.axis, axial_N).value;
     double least_room = HUGE_VAL, least_room_beyond = HUGE_VAL;
     for (double turn = 0.0; turn < 2.0 * kPi; turn += kPi / 1800.0) {

@@ -121,12 +121,13 @@ TEST(OsteonSessionThreads, BeginAndEndManyTimesInAnyOrder) {
     auto session = MakeSession(bone.get(), tool.get(), Threaded(i % 4 == 0));
     const OsteonPose free = Above(4.2);
     ASSERT_OK(osteon_session_set_tool_pose(session.get(), &free, 0.0));
-    if (i % 2 == 0) bone.reset(), tool.reset();  // a session keeps what it needs
+    if (i % 2 == 0) bone.reset(), tool.reset();  // a session keeps its own references
     session.reset();
   }
 }
 
-// Any thread may ask for figures, marks and the surface while the engine runs and a haptic thread feels.
+// Any thread may ask for figures, marks and the surface while the engine runs and a haptic thread evaluates
+// the force.
 TEST(OsteonSessionThreads, AnswerManyThreadsAtOnce) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();

@@ -78,7 +78,8 @@ TEST(PelvicFrame, LandmarkSpreadEqualsTheSpreadOfDrawnLandmarks) {
     anteversion += std::pow(read.anteversion_rad - 15.0 * kDegree, 2);
   }
   const CupAngles spread = LandmarkSpread(at, Side::kLeft, 0.0, CupDefinition::kRadiographic, a_G, kNoise_m);
-  // a standard deviation of 20 000 draws is known to 0.5 %: four times that, and terms of second order
+  // 20 000 draws give a standard deviation to 0.5 %; the tolerance is four times that plus terms of second
+  // order
   EXPECT_NEAR(spread.inclination_rad, std::sqrt(inclination / kDraws), 0.025 * spread.inclination_rad);
   EXPECT_NEAR(spread.anteversion_rad, std::sqrt(anteversion / kDraws), 0.025 * spread.anteversion_rad);
   RecordProperty("inclination_deg", std::to_string(spread.inclination_rad / kDegree));

@@ -63,7 +63,7 @@ void LoopOracle::BeforeTick(const control::ServoLoop& loop, const control::ArmSt
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
                     (!state.has_ipo || AllFinite(state.q_ipo));
-  // an arm that stays in the activation in which it was commanded holds its last command
+  // an arm that has not left the activation in which the loop commanded it stays at its last command
   const bool active = state.session == control::SessionState::kCommandingActive;
   const bool in_other_activation =
       state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
@@ -73,7 +73,8 @@ void LoopOracle::BeforeTick(const control::ServoLoop& loop, const control::ArmSt
       !active || has_left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
   reduced_ticks_ = read && reduced_ ? reduced_ticks_ + 1 : read ? 0 : reduced_ticks_;
   NotePause(loop, read, asked);
-  // an arm that moves by itself is where its message says; an idle arm says nothing
+  // if the loop does not command the arm, the next command must start at the position in the arm's message;
+  // an idle arm reports none
   if (read && moves_itself && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
   q_meas_ = state.q_meas;
@@ -108,7 +109,7 @@ std::string LoopOracle::CheckStandstill(const control::ServoLoop& loop, const co
                                         static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
                                         static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
                                         static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
-  // the record contains the force that was found, within the limits; it is not rendered, since the cell has
+  // the record still contains the computed force, within the limits. Nobody feels it, because the cell has
   // left rendering
   const bool renders = safety::Renders(static_cast<safety::CellState>(record.cell_state));
   if ((record.faults & ~kFoundAfterRendering) != 0 && renders)

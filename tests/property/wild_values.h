@@ -39,8 +39,8 @@ inline rc::Gen<double> WildValue() {
                             std::numeric_limits<double>::denorm_min(), 6.283185307179586, -0.0)}});
 }
 
-/// Generates one operation per tick: 75 % do nothing, 20 % push the tool, so that the 5 % of errors meet a
-/// cell in motion.
+/// Generates one operation per tick: 75 % do nothing, 20 % push the tool, so that the remaining 5 %, which
+/// are errors, occur in a moving cell.
 /// @param pushes, kinds  Op::what is below `kinds`; the operations from `pushes` on push the tool
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };

@@ -10,7 +10,7 @@
 
 namespace osteon::report {
 
-/// A small run made by hand, for tests of the report: no engine, no servo loop.
+/// A small run made by hand, for tests of the report, without engine and servo loop.
 struct SyntheticRun {
   simulation::Bone bone;
   simulation::Tool tool;

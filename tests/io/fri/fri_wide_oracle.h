@@ -100,7 +100,7 @@ class WideOracle {
   using FieldProto = google::protobuf::FieldDescriptorProto;
   using FieldDescriptor = google::protobuf::FieldDescriptor;
 
-  // Builds the widened schema. @param all true: each number and string is a repeated field
+  // Builds the widened schema. @param all  true: each number and string is a repeated field
   static const Message* Build(google::protobuf::DescriptorPool& pool,
                               google::protobuf::DynamicMessageFactory& factory, bool all) {
     google::protobuf::FileDescriptorProto file;
@@ -150,7 +150,7 @@ class WideOracle {
     return type == FieldDescriptor::TYPE_UINT64;
   }
 
-  // Whether a message keeps the rules listed above Parse(). @param all true: the message has the schema of
+  // Whether a message keeps the rules listed above Parse(). @param all  true: the message has the schema of
   // repeated fields, and its numbers and names are checked; false: the message has the first schema, and its
   // unknown fields and sizes are checked
   static bool KeepsRules(const Message& message, bool all = false) {

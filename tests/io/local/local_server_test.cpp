@@ -53,8 +53,7 @@ TEST_F(LocalServerTest, ASocketWithoutAServerIsRemoved) {
     const auto server = LocalServer::Start("run-2", Echo);
     ASSERT_TRUE(server) << server.error();
     left = (*server)->path();
-    std::filesystem::create_hard_link(
-        left, left.parent_path() / "run-3.sock");  // stays when the server ends, as after a crash
+    std::filesystem::create_hard_link(left, left.parent_path() / "run-3.sock");  // outlives the server
   }
   EXPECT_TRUE(std::filesystem::exists(left.parent_path() / "run-3.sock"));
   EXPECT_TRUE(FindLocalServers().empty());
@@ -117,7 +116,7 @@ TEST_F(LocalServerTest, OnlyRootAndTheFoldersGroupMayAsk) {
     const auto server = LocalServer::Start("run-11", Echo);
     ASSERT_TRUE(server) << server.error();
     ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup),
-              0);  // as if a service of this group had made the socket
+              0);  // as a service of this group does
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kGroup}), open ? 1 : 0) << "a member";
     EXPECT_EQ(AnswersFor(kSomebody, kGroup, {}), open ? 1 : 0) << "whose own group it is";
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kOther}), 0) << "another user";

@@ -207,8 +207,8 @@ TEST_F(RecoverRecordingTest, SkipsADamagedChunkAndReportsItsPosition) {
 
 TEST_F(RecoverRecordingTest, FindsTheNextChunkAfterADamagedLength) {
   const auto chunks = Chunks(whole_);
-  for (const unsigned byte : {1u, 4u, 8u}) {  // the byte of the length that is damaged: gives a length that
-                                              // is slightly wrong, beyond the file's end, absurd
+  for (const unsigned byte :
+       {1u, 4u, 8u}) {  // damaged byte of the length: slightly wrong, beyond the file, absurd
     std::string bytes = whole_;
     bytes[chunks[2].first + byte] = static_cast<char>(bytes[chunks[2].first + byte] ^ 0x41);
     const Recovery recovery = Recover(bytes);

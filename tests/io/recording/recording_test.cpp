@@ -245,8 +245,7 @@ TEST(Recording, ACutOffFileIsReadUpToItsCut) {
             "it ends early, at byte " + std::to_string(half->read_bytes) + ": the process died");
   for (std::uint64_t i = 0; i < half->ticks.size(); ++i) EXPECT_EQ(half->ticks[i].tick, i);
 
-  WriteAll(path,
-           whole.substr(0, whole.size() - 3));  // all the data, but only a part of the closing magic bytes
+  WriteAll(path, whole.substr(0, whole.size() - 3));  // cuts off a part of the closing magic bytes
   const auto nearly = ReadRecording(path);
   ASSERT_TRUE(nearly) << nearly.error();
   EXPECT_FALSE(nearly->complete);

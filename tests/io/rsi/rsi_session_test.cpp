@@ -123,8 +123,7 @@ TEST_F(RsiSessionTest, RelativeCorrectionsAddUpWithoutRounding) {
   std::uint64_t ipoc = Settle(1000, 2);
   double sum = 0.0, wanted = 10.0;
   for (int i = 0; i < 3000; ++i, ipoc += 4) {
-    wanted +=
-        1.0 / 30000.0;  // a third of the last decimal: if each step were rounded alone, A1 would never move
+    wanted += 1.0 / 30000.0;  // a third of the last decimal: rounded alone, each step would be 0
     ASSERT_EQ(AcceptNext(ipoc), RsiAccept::kAccepted);
     sum += Answer(wanted);
   }
@@ -142,7 +141,7 @@ TEST_F(RsiSessionTest, RelativeSumCountsCyclesWithoutAnAnswer) {
     AcceptNext(ipoc += 4);  // in time
     EXPECT_NEAR(Answer(13.0), 2.0, 1e-9);
     AcceptNext(ipoc += 4,
-               1);  // RSI got the 2.0 too late and dropped it; with HOLDON, RSI applied the 1.0 again
+               1);  // the 2.0 was late: RSI dropped it, and with HOLDON applied 1.0 again
     EXPECT_NEAR(Answer(13.0), hold_on ? 1.0 : 2.0, 1e-9);
     AcceptNext(ipoc += 12, 3);  // the last answer arrived in time; then the messages of two cycles were lost
     EXPECT_NEAR(Answer(13.0), hold_on ? -2.0 : 0.0, 1e-9);

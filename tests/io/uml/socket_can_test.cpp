@@ -117,10 +117,9 @@ TEST(SocketCan, ReceivesFramesOfCansend) {
 
 TEST(SocketCan, KernelPassesOnlyFramesThatMatchAFilter) {
   const auto bus = Open({.filters = {{.id = 0x200, .mask = 0x7F0}, {.id = 0x001}}});
-  for (const char* frame :
-       {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
-        "00000201#AA",  // extended identifier (29 bits) whose last 11 bits equal the expected identifier
-        "201#R"})       // remote transmission request
+  for (const char* frame : {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
+                            "00000201#AA",  // extended identifier (29 bits) whose last 11 bits are 201
+                            "201#R"})       // remote transmission request
     CanSend(frame);
   EXPECT_EQ(Received(*bus), (std::vector<std::string>{"001#AA", "200#AA", "20F#AA"}));
   EXPECT_EQ(bus->status().rejected, 0u);
