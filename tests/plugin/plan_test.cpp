@@ -193,8 +193,7 @@ TEST(OsteonGuidance, OutputEqualsThatOfTheServoLoop) {
   Vector3 p_m = Vector3::Zero(), turn = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   rt::Nanoseconds now = rt::kSecond;
   double largest_N = 0.0, least_share = 1.0, largest_share = 0.0;
-  for (int i = -300; i < 4000;
-       ++i) {  // i < 0: the tool rests inside the corridor until the coupling has faded in
+  for (int i = -300; i < 4000; ++i) {  // i < 0: at rest in the corridor while the coupling fades in
     now += rt::kMillisecond;
     if (i >= 0) v = 0.98 * v + 0.012 * vector() - 0.03 * p_m;
     if (i >= 0) w = 0.98 * w + 0.06 * vector() - 0.03 * turn;

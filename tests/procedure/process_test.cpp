@@ -107,8 +107,7 @@ TEST(ProcessFigures, OutsideTheCorridorIsTiltedOrAsideOrTooDeep) {
   ProcessSums sums(plan, kPeriod_s);
   for (int i = 0; i < 100; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
-    sample.head_m =
-        centre_m - Vector3(0.0, 0.0, 2e-3);  // the commanded head is deeper than the head that cuts
+    sample.head_m = centre_m - Vector3(0.0, 0.0, 2e-3);  // commanded: deeper than the head that cuts
     sample.cut_head_m = centre_m - Vector3(0.0, 0.0, i < 50 ? 1e-3 : -1e-3);
     sample.cutting = i % 2 == 0;
     sums.Add(sample, last);

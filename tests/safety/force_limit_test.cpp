@@ -1,4 +1,5 @@
-// Bounds of a coupling at its force limit: the energy that it can give back, and the tool's motion into bone.
+// Two bounds on a coupling at its force limit: on the energy that the coupling can give back, and on the
+// tool's motion into bone.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kStiffness_N_per_m = 20e3;
 
-// The force [N] of a one-dimensional spring at the displacement d_m, scaled by the limit.
+// The force [N] of a one-dimensional spring at the displacement d_m, scaled by the stored-energy limit.
 double Force(StoredEnergyLimit& limit, double d_m) {
   return limit.Step(d_m, 0.5 * kStiffness_N_per_m * d_m * d_m) * kStiffness_N_per_m * d_m;
 }

@@ -59,7 +59,8 @@ class GuardBench {
   }
 
   GuardMonitor monitor;
-  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // near the end of 32 bits
+  GuardArmMessage arm{.sequence = 4'000'000'000u,
+                      .q_meas = StartJoints()};  // close to the overflow of 32 bits
   std::uint32_t sequence{0};
   rt::Nanoseconds now{rt::kSecond};
 };

@@ -1,5 +1,5 @@
-// The carved bone of a session in its recording and on the console: cut by each tool in turn, without undone
-// passes, and with the bone that earlier recordings of the session have cut.
+// The carved bone of a session, in its recording and on the console. It must have the cuts of each tool in
+// turn, but not those of undone passes, and also the cuts of the session's earlier recordings.
 
 #include <algorithm>
 #include <atomic>

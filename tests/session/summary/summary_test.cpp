@@ -187,8 +187,8 @@ TEST(WriteText, KeepsThePermissionsOfTheFileThatItReplaces) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-// The temporary file has a name of its own for each writer, so that two writers do not overwrite each
-// other's. A file that ends in .part belongs to somebody else.
+// Each writer's temporary file has its own name, so that two writers do not overwrite each other's file. A
+// file that ends in .part therefore belongs to another program.
 TEST(WriteText, DoesNotTouchAFileWithTheEndingPart) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";
