@@ -359,8 +359,7 @@ TEST(GuardMonitor, TheGuardsOwnDelayDoesNotCountAsTheControllersSilence) {
   ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
-  bench.Message(
-      GuardSession::kActive);  // the message arrives, then the guard's process does not run for 100 ms
+  bench.Message(GuardSession::kActive);  // arrives, then the guard stalls
   bench.now += 100 * rt::kMillisecond;
   bench.monitor.CheckSilence(bench.now);
   EXPECT_TRUE(bench.monitor.permits());

@@ -63,8 +63,7 @@ struct Rig {
     setup = std::make_unique<CellSetup>(PackedCell(first_mm));
     procedure::SurgicalPlan plan;
     plan.name = "two";
-    for (const double height_mm :
-         {-1.0, -2.0})  // heights of the tools' apexes: the second reamer goes 1 mm deeper
+    for (const double height_mm : {-1.0, -2.0})  // of the apexes: the second reamer goes 1 mm deeper
       plan.tools.push_back(
           {.diameter_m = 1e-3 * list.diameters_mm[plan.tools.size()], .height_m = 1e-3 * height_mm});
     if (choice.guided) {

@@ -159,9 +159,8 @@ TEST_P(AdaptiveResolutionRun, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval
   EXPECT_LT(most_m3, 2.0 * calm_most_m3 + 1e-12);
   EXPECT_NEAR(last_m3, calm.result.after.removed_volume_m3, 0.1 * calm.result.after.removed_volume_m3);
 
-  // the exchange of packings must not make the force's steps from tick to tick much larger than without an
-  // exchange (`of`'s largest change of the coupling force from tick to tick, within 50 ms after the first
-  // exchange)
+  // Largest change of the coupling force from tick to tick, within 50 ms after the first exchange of
+  // packings. With the exchange it may be at most 3 N larger than without.
   const auto max_force_step_N = [&](const MeasuredRun& of) {
     double most_N = 0.0;
     const auto& ticks = of.recording.ticks;

@@ -69,7 +69,7 @@ TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
   EXPECT_EQ(bone.materials[kCortical].name, "cortical");
   std::array<int, 3> points{};
   for (const MassPoint& point : bone.points) ++points.at(point.material);
-  for (const int count : points) EXPECT_GT(count, 5000);  // none of marrow
+  for (const int count : points) EXPECT_GT(count, 5000);  // no point is marrow, the fourth material
   EXPECT_GT(bone.balls.size(), 28'000u);
 }
 

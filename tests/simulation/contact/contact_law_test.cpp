@@ -77,7 +77,7 @@ struct Scene {
   int count{0};
 
   /// Adds a pair: normal n in G, gap at first contact, and the centre in T of a tool ball of radius 5 mm. The
-  /// ball moves by the frame's motion as set before this call.
+  /// ball moves by the frame's motion as it is set before this call.
   void Add(const Vector3& n, double gap_m, const Vector3& c_T = Vector3::Zero()) {
     const auto i = static_cast<std::uint32_t>(count++);
     near.nearest[i] = {.pair = {i, 0},
@@ -138,7 +138,8 @@ TEST(SolveContacts, FrictionCountsTheSlipThatARotationCauses) {
 TEST(FindCandidates, LetsAToolMoveAlongASlotOfItsOwnWidth) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0.1e-3, 0);
-  // balls of both walls, slightly ahead: plain tangent planes would stop the tool at once
+  // the next balls of both walls lean slightly toward the tool: planes tangent to them would stop the tool at
+  // once
   scene.Add({1, -0.05, 0}, 0.0);
   scene.Add({-1, -0.05, 0}, 0.0);
   EXPECT_EQ(scene.Solve().point_m(), Vector3::Zero());
@@ -156,8 +157,8 @@ TEST(SolveContacts, AWedgedToolsForceIsLimitedToPressAndOverlap) {
   scene.Add(-Vector3::UnitX(), -0.1e-3);
   scene.Add(Vector3::UnitZ(), 0.0);
   const ContactSolution held = scene.Solve();
-  EXPECT_GT(held.normal_m, 10.0);  // metres: without the cap, the multipliers that balance each other
-  // twice the millimetre by which the tool is pressed, plus the overlap
+  EXPECT_GT(held.normal_m, 10.0);  // in metres: the walls' multipliers, before the cap
+  // the cap is twice the 1 mm by which the tool is pressed, plus the overlap
   EXPECT_LT(held.force_multiplier_cap_m, 2.2e-3);
   const FrameSolution solution = scene.ReportContacts();
   Vector3 sum = Vector3::Zero();
@@ -197,8 +198,8 @@ TEST(FillContacts, GivesTheServoLoopTheFramesForce) {
       n.z() = 0.2 + std::abs(n.z());
       scene.Add(n, 0.2e-3 * u(random), 3e-3 * RandomDirection(random));
     }
-    // lens-weighted sums, so that each face's mean normal differs slightly from the normal of the holding
-    // pair
+    // the sums are weighted by lens volumes, so each face's mean normal differs slightly from the normal of
+    // the pair that holds the tool
     static_cast<void>(scene.ReportContacts());
     for (int f = 0; f < scene.memory.face_count; ++f)
       for (int k = 0; k < 30; ++k)
@@ -231,7 +232,7 @@ TEST(FillContacts, ReportsAShaftBesideAnEdgeThatPressesInTheSameDirection) {
   scene.Add({0, 0, 1}, 0.0);
   scene.Add({0.1, 0, 1}, 0.05e-3);
   scene.near.nearest[1].cutting = false;
-  scene.Add({0, 0.1, 1}, 0.05e-3);  // another cutting ball belongs to the edge's own face
+  scene.Add({0, 0.1, 1}, 0.05e-3);  // another cutting ball, on the same face as the edge
   const FrameSolution solution = scene.ReportContacts();
   ASSERT_EQ(solution.contact_count, 2);
   EXPECT_TRUE(solution.contacts[0].cutting);

@@ -24,7 +24,7 @@ class Random {
 
 // ---- pass 1: first contact
 
-/// Oracle for FirstContactFraction: first s in [0, 1] with |D - s m| = R, by bisection; kNoContact where the
+/// Oracle for FirstContactFraction: first s in [0, 1] with |D - s m| = R, by bisection; kNoContact if the
 /// balls stay apart.
 double BisectToContact(const Vector3& D, const Vector3& m, double R) {
   const auto apart = [&](double s) { return (D - s * m).norm() - R; };
@@ -53,7 +53,8 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
       continue;
     }
     ++hits;
-    // the claim is about the place: the balls touch there, to the rounding of coordinates of some centimetres
+    // the place of contact must be exact: the balls touch there, up to the rounding of coordinates of some
+    // centimetres
     ASSERT_NEAR((D - s * m).norm(), R, 1e-14) << i;
     ASSERT_NEAR((s - expected) * m.norm(), 0.0, 1e-8) << i;
   }
@@ -92,7 +93,8 @@ TEST(FirstContact, GrazingBallsTouchJustBeforeTheirClosestApproach) {
     const double p = R - inside;
     const double s = FirstContactFraction({p, 0, way}, {0, 0, 2 * way}, R);
     const double expected = (way - std::sqrt(inside * (R + p))) / (2 * way);
-    // the position is bounded, not the fraction: rounding of p by eps R moves the contact by sqrt(2 R eps R)
+    // the error of the position is bounded, not that of the fraction: rounding p by eps R moves the contact
+    // by sqrt(2 R eps R)
     EXPECT_NEAR(s, expected, 2e-9 / way) << inside;
   }
   EXPECT_EQ(FirstContactFraction({R + 1e-12, 0, way}, {0, 0, 2 * way}, R), kNoContact);
@@ -255,13 +257,14 @@ TEST(ShrinkBall, BeyondTheSegmentsEndMovesTheBallAwayFromTheEnd) {
   EXPECT_NEAR(after.r, 0.75e-3, 1e-15);
 }
 
-// The centre lies on the sweep's axis, where any direction perpendicular to the axis would be right.
+// The ball's centre lies on the sweep's axis, so any direction perpendicular to the axis is right; the choice
+// must be the same each time.
 TEST(ShrinkBall, OnTheAxisMovesTheBallSidewaysAndAlwaysAlike) {
   Random random(7);
   for (int i = 0; i < 500; ++i) {
     const Vector3 axis = i < 3 ? Vector3::Unit(i) : random.Direction();
     const Vector3 a = i % 2 == 0 ? Vector3(Vector3::Zero()) : Vector3(-3e-3 * axis), b = 4e-3 * axis;
-    const double r = 10e-3, r_t = 2e-3;  // larger than the tool: survives
+    const double r = 10e-3, r_t = 2e-3;  // larger than the tool, so a part of the ball remains
     const Shrunk one = Shrink(Vector3::Zero(), r, a, b, r_t), two = Shrink(Vector3::Zero(), r, a, b, r_t);
     ASSERT_EQ(one.c, two.c);
     ASSERT_NEAR(one.r, 4e-3, 1e-15);

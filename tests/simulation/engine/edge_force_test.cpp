@@ -4,8 +4,8 @@
 
 #include "simulation/engine/frame_solution.h"
 
-// Tests of the cutting edges' own force (ploughing force) in the rate law: below it the edge only rubs, above
-// it bone gives way.
+// Tests of the cutting edges' own force (ploughing force) in the rate law: below this force the edge only
+// rubs, above it the edge cuts.
 
 namespace osteon::simulation {
 namespace {

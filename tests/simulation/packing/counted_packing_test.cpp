@@ -79,7 +79,7 @@ TEST(CountedPacking, KeepsTheCutZonesBallsAndReachesTheCountWithTheRest) {
   }
 }
 
-// A count below that of the cut zone alone: the zone cannot keep its balls.
+// The count is smaller than the number of balls in the cut zone, so the zone cannot keep its balls.
 TEST(CountedPacking, IsCoarserEverywhereForAVerySmallCount) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());

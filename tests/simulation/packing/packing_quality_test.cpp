@@ -143,7 +143,8 @@ TEST(BallForest, GapAndOverlapEqualThoseOfPlainLoops) {
   }
 }
 
-// Without balls nothing is covered, and the gap is infinite.
+// The packing has no balls, so nothing is covered and the gap is infinite. The solid's volume and area are
+// measured nevertheless.
 TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
   const double R = 0.024;
   const PackingQuality quality =

@@ -119,9 +119,9 @@ TEST_F(Packing, HasNoHolesNearTheCupAndOnlySmallOnesElsewhere) {
   EXPECT_GE(deep_covered, 0.999 * deep);
 }
 
-// Overlapping balls serve to lose little bone beyond the tool's sweep. A reamer of diameter 50 mm goes in
-// along the axis; each ball that it meets shrinks to the largest ball inside the old one and outside the
-// sweep (docs/cutting.md, pass 3).
+// The purpose of overlapping balls is that little bone is lost beyond the tool's sweep. A reamer of diameter
+// 50 mm goes in along the axis; each ball that it meets shrinks to the largest ball inside the old one and
+// outside the sweep (docs/cutting.md, pass 3).
 TEST_F(Packing, LosesLittleBoneBeyondAReamersSweep) {
   const double reamer = 0.025;
   for (const double depth : {0.5e-3, 2e-3, 4e-3}) {

@@ -17,7 +17,8 @@ TEST(MeshSolid, IcosphereDistanceIsTheSpheresWithinTheFacetsSagitta) {
   const Vector3 center(0.1, -0.13, 0.5);
   const double radius = 0.02;
   const TriangleMesh mesh = MakeIcosphere(center, radius, 4);
-  // The mesh lies inside the sphere, and outside the sphere that touches its innermost triangle's plane.
+  // The mesh lies between two spheres: inside the exact one, and outside the one that touches the plane of
+  // the innermost triangle.
   double sag = 0.0;
   for (const auto& t : mesh.triangles) {
     const Vector3 a = mesh.vertices_m[t[0]];

@@ -51,7 +51,7 @@ TEST(MotionCurve, GoesThroughItsSamples) {
   EXPECT_LT((curve.X_GT(99.0).translation() - samples.back().p_GT_m).norm(), 1e-15);
 }
 
-// Half the step, a sixteenth of the error.
+// Half the step must give a sixteenth of the error.
 TEST(MotionCurve, ErrorShrinksWithTheFourthPowerOfTheStep) {
   const double coarse_m = CurveError(0.01), fine_m = CurveError(0.005);
   EXPECT_LT(coarse_m, 5e-6);
@@ -80,7 +80,8 @@ TEST(MotionCurve, IsTwiceContinuouslyDifferentiable) {
                       curve.X_GT(at - h).translation()) /
                      (h * h));
     };
-    // Only the cubic's third derivative counts over 4 h; a kink would show as at least 1e-3 / h.
+    // The acceleration changes over 4 h only by the cubic's third derivative. A kink in the velocity would
+    // change it by at least 1e-3 / h.
     EXPECT_LT((acceleration(t + 2 * h) - acceleration(t - 2 * h)).norm(), 0.5) << t;
   }
 }
@@ -164,7 +165,7 @@ TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
       ASSERT_EQ(last.status, EngineStatus::kOk);
     }
     removed_mm3[i] = 1e9 * last.removed_volume_m3;
-    // the proxy ends at the motion's end, but for one frame's overlap and the rest of its slide
+    // the proxy ends at the motion's end, except for one frame's overlap and the rest of the slide
     EXPECT_LT((Pose(last.X_WP).translation() - Vector3(3e-3, 0, -1e-3)).norm(), 0.25e-3);
   }
   // swept volume: a cap of 1 mm depth, and the segment's area times 3 mm; a mass point is 0.125 mm³

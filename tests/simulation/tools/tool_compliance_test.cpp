@@ -56,7 +56,8 @@ TEST(ToolCompliance, AUniformShaftHasTheTextbooksCompliance) {
   EXPECT_NEAR(c.C_T(5, 5) / (L / GJ), 1.0, 1e-9);
   EXPECT_NEAR(c.buckling_N / (std::numbers::pi * std::numbers::pi * EI / (4.0 * L * L)), 1.0, 1e-6);
   EXPECT_TRUE(c.C_T.isApprox(c.C_T.transpose()));
-  // Up to a force behind the apex, the tool counts as rigid: too soft by (s / (L - s))^3, 3.7 % at s = L / 4.
+  // For a force at the distance s behind the apex, LateralCompliance exceeds that of the clamped beam of
+  // length L - s by the share (s / (L - s))^3: 3.7 % at s = L / 4.
   EXPECT_NEAR(LateralCompliance(c.C_T, 0.25 * L) / (std::pow(0.75 * L, 3) / (3.0 * EI)), 1.0 + 1.0 / 27.0,
               1e-9);
 }
