@@ -149,7 +149,7 @@ TEST(DistanceGrid, LowerBoundNeverExceedsTheDistance) {
     ASSERT_GE(slack, 0.0);
     if (solid.SignedDistance(p) < 0.0) nearest = std::min(nearest, slack);
   }
-  EXPECT_LT(nearest, 0.1e-3);  // the holes that are found are exact
+  EXPECT_LT(nearest, 0.1e-3);  // the lower bound is not simply very low
 }
 
 }  // namespace

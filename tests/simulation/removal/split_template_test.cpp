@@ -55,7 +55,7 @@ TEST(SplitTemplate, ChildrenCoverTheMiddleOfTheirParent) {
   }
   EXPECT_GT(asked, 5000);
   EXPECT_EQ(bare_rotation, 0);
-  EXPECT_LT(bare_pole, 0.002 * asked);  // a shape with a pole covers less at its pole
+  EXPECT_LT(bare_pole, 0.002 * asked);  // fewer large children than with a rotation
 }
 
 TEST(SplitTemplate, EachShapeHasADifferentFirstChild) {

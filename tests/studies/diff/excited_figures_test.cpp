@@ -89,8 +89,8 @@ TEST(ExcitedDifference, DetectsASlowerArmAndAnotherExcitation) {
   EXPECT_FALSE(FigureNamed(speeds, "bandwidth_hz").differs()) << "the arm is the same";
 }
 
-// A line is compared with the one of its own frequency, wherever that stands, and a line that only one run
-// has is told, not compared with its neighbour.
+// A line of the response is compared with the other run's line of the same frequency, at any index. A line
+// that only one run has is reported, not compared with its neighbour.
 TEST(ExcitedDifference, ComparesLinesOfTheSameFrequency) {
   const auto with_lines = [](std::vector<double> frequencies_hz) {
     ExcitedFigures excited;

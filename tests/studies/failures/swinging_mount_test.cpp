@@ -4,8 +4,8 @@
 
 #include "studies/failures/compliance/swinging_mount.h"
 
-// The vibration index on bone that swings on its mount: the swing must not count as an oscillation of the
-// loop.
+// The vibration index if the bone swings on its mount. The index must not take the swing for an oscillation
+// of the loop.
 
 namespace osteon::studies {
 namespace {

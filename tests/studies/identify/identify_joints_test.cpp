@@ -171,8 +171,8 @@ TEST(ExcitedRun, AnObstacleOnAJointsPathIsRefused) {
   session::CellSetup setup = CellNamed("demo");
   simulation::Ball obstacle = setup.bone.balls.front();
   const Pose X_WF = setup.config.start.X_WT * setup.config.tool.X_FT.inverse();
-  // A ball 70 mm beside the flange's axis; the flange's radius is 65 mm. Free at the start, hit within a
-  // degree.
+  // The nearest point of this ball is 70 mm beside the flange's axis, and the flange's radius is 65 mm. The
+  // flange is clear of the ball at the start and hits it within a degree.
   const Vector3 sideways = setup.config.X_WB.linear() * Vector3::UnitY();
   const Vector3 center_G = setup.X_WG.inverse() * (X_WF.translation() + 0.071 * sideways);
   obstacle.center_m = center_G;

@@ -11,7 +11,8 @@
 namespace osteon::studies {
 namespace {
 
-// Four results: equal to the golden trace, with other bits, beyond a tolerance, and without a golden trace.
+// Four results: one equal to the golden trace, one with other bits, one beyond a tolerance, and one without a
+// golden trace.
 std::vector<RegressResult> ResultsOfEachKind() {
   const auto make = [](const std::string& name, const auto& change) {
     RegressResult result;

@@ -26,7 +26,7 @@ TEST(TraceDifference, IsEmptyForEqualTraces) {
   EXPECT_EQ(ExplanationOf(same), "");
 }
 
-// Two digests differ by a bit each, no sample differs: the comparison passes, but is not identical.
+// Two digests differ by a bit each, but no sample differs. The comparison must pass without being identical.
 TEST(TraceDifference, ADifferentBitPassesWithoutBeingIdentical) {
   ScenarioTrace now = SampleTrace();
   now.hash ^= 1u;
@@ -84,7 +84,7 @@ TEST(TraceDifference, WritesLargeRatiosWithoutAnExponent) {
   EXPECT_NE(text.find("at most 40.3 (4030 tolerances)"), std::string::npos) << text;
 }
 
-// A peak between two samples is in no sample, only in the extremes.
+// A peak between two samples changes no sample, only the recorded extremes.
 TEST(TraceDifference, DetectsAPeakBetweenTheSamples) {
   ScenarioTrace now = SampleTrace();
   const std::size_t force = QuantityNamed("hand_x_N");

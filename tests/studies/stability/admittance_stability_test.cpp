@@ -20,7 +20,7 @@ namespace {
 struct Row {
   const char* name;
   hil::GridHand hand;
-  double m_v, b_v;  // virtual tool
+  double m_v, b_v;  // virtual tool: mass [kg], drag [N s/m]
   hil::LoopWall wall;
   double rho;        // of the shipped loop
   double first_rho;  // of the design's first table; 0: not in it
@@ -33,8 +33,8 @@ hil::AdmittanceLoopParams LoopOf(const Row& row) {
 
 const hil::GridHand kFirm{"firm", 500.0, 20.0, 1.5}, kStiff{"stiff", 3000.0, 60.0, 3.0},
     kFixture{"fixture", 20000.0, 50.0, 0.0};
-// Walls by their stiffness [N/m]: computed in the tick, by a force that is `ticks` old, or on the measured
-// pose.
+// Walls of this stiffness [N/m]. The force is that of the commanded pose in the same tick, that of the pose
+// `ticks` before, or that of the measured pose.
 hil::LoopWall LocalWall(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
 hil::LoopWall DelayedWall(double stiffness, int ticks) {
   return {.stiffness_N_per_m = stiffness, .age_ticks = ticks};
@@ -52,15 +52,15 @@ TEST_P(ModelB, SpectralRadiusEqualsThatOfTheModelInScalars) {
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
 
-// The design's first table used the acceleration just after the command's step, and one more period of dead
-// time.
+// The design's first table used the hand's acceleration just after the command's step, and one more period of
+// dead time than the present one.
 TEST_P(ModelBFirstTable, TheModelInScalarsReproducesTheDesignsFirstTable) {
   hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
   EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
-// The loop's step is run in time, over many periods of its mode.
+// Runs the loop step by step, over many periods of its slowest mode.
 TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
   const hil::AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
@@ -74,8 +74,8 @@ TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
 TEST_P(ModelB, ShippedPartsGrowAsPredicted) {
   const double log_rho = std::log(GetParam().rho);
   AdmittanceRunParams run{.loop = LoopOf(GetParam())};
-  run.kick_m_per_s = 1e-9;  // leaves room to grow within the wall's linear range
-  // the motion must change by this many factors of e to stand out of rounding, which is larger on a wall
+  run.kick_m_per_s = 1e-9;  // small, so that the motion can grow within the wall's linear range
+  // the motion must change by this many factors of e to exceed rounding, which is larger on a wall
   const double e_folds = GetParam().wall.stiffness_N_per_m > 0.0 ? 12.0 : 20.0;
   run.seconds = 1e-3 * std::round(e_folds / std::abs(log_rho));
   EXPECT_NEAR(SimulatedGrowth(run), log_rho, 0.05 * std::abs(log_rho) + 2e-5);
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelB, testing::ValuesIn(Rows()),
 INSTANTIATE_TEST_SUITE_P(Design, ModelBFirstTable, testing::ValuesIn(FirstRows()),
                          [](const auto& test) { return test.param.name; });
 
-/// The stiffest stable wall of a firm hand, by the design.
+/// The stiffest stable wall with a firm hand, as the design states it.
 struct WallRow {
   const char* name;
   hil::WallOn on;
@@ -161,7 +161,8 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
   }
 }
 
-// The least drag for a stable grip: with a firm hand's damping and mass, and with neither (a clamp).
+// The least drag with which a grip is stable: grips with a firm hand's damping and mass, and a clamp, which
+// has neither.
 TEST(AdmittanceStability, StifferGripsNeedMoreDrag) {
   const auto least = [](double k, double b, double m) {
     hil::AdmittanceLoopParams loop;
@@ -175,8 +176,9 @@ TEST(AdmittanceStability, StifferGripsNeedMoreDrag) {
   EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
 }
 
-// The design's figures at 1.7 kg. With the acceleration's mean over the period, the least drag of a grip
-// is 21.1 N s/m, not 14.5; with one period less of dead time 19.4. The demo cell's critical hand needs 27.7.
+// The design's figures at 1.7 kg. The loop uses the mean of the acceleration over the period. The least drag
+// with a grip is then 21.1 N s/m (14.5 in the design's first form), and 19.4 N s/m with one period less of
+// dead time. The demo cell's critical hand needs 27.7.
 TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   const auto least = [](const hil::GridHand& hand, double dead) {
     hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
@@ -189,7 +191,8 @@ TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   EXPECT_NEAR(least(critical_hand, 4), 27.7, 0.1);
 }
 
-// The least drag grows with a dead time of part periods too, and the shipped parts turn stable at that drag.
+// The least drag also grows with a dead time of a fraction of a period. The shipped parts must become stable
+// at the predicted drag.
 TEST(AdmittanceStability, ShippedPartsTurnStableAtThePredictedDragForAnyDeadTime) {
   hil::AdmittanceLoopParams loop;
   double before = 0.0;
@@ -207,8 +210,8 @@ TEST(AdmittanceStability, ShippedPartsTurnStableAtThePredictedDragForAnyDeadTime
   }
 }
 
-// The hand's force itself moves an arm with a finite felt mass, which lowers the least drag; it hardly moves
-// a heavy arm.
+// The hand's force moves an arm with a finite felt mass, which lowers the least drag. A heavy arm hardly
+// moves.
 TEST(AdmittanceStability, AnArmThatYieldsToTheHandTurnsStableAtThePredictedDrag) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"grip", 3e3, 20.0, 1.5};

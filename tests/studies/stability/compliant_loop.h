@@ -21,17 +21,17 @@ struct LoopLink {
 /// A bone that moves on its mount.
 struct LoopMount {
   double mass_kg{12.0};
-  double frequency_hz{10.0};  ///< of the mount alone
+  double frequency_hz{10.0};  ///< natural frequency of the bone on its mount, without contact
   double damping_ratio{0.05};
-  int late_ticks{0};  ///< ticks by which the coupling's planes follow the bone late
+  int late_ticks{0};  ///< delay of the coupling's planes behind the bone [ticks]
 };
 
 struct CompliantLoopParams {
-  AdmittanceLoopParams loop;  ///< its wall may have a stiffness only, on the commanded pose
+  AdmittanceLoopParams loop;  ///< its wall may only have a stiffness, and must act on the commanded pose
   std::optional<LoopLink> link{};
   std::optional<LoopMount> mount{};
-  /// The hand's acceleration is the mean over the period before, as in AdmittanceLoop; false: that at the
-  /// period's beginning, as in the design.
+  /// true: the hand's acceleration is the mean over the previous period, as in AdmittanceLoop; false: it is
+  /// that at the period's beginning, as in the design.
   bool mean_acceleration{false};
 };
 
@@ -54,7 +54,7 @@ class CompliantLoop {
   [[nodiscard]] int size() const { return size_; }
   /// The state one period later; linear in `state`.
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
-  /// Factor per period by which the slowest mode decays, or grows above 1.
+  /// Factor by which the slowest mode changes in a period: below 1 it decays, above 1 it grows.
   [[nodiscard]] double SpectralRadius() const;
 
  private:

@@ -66,7 +66,7 @@ HandleBenchParams Bench(double share) {
   params.servo.workspace.plane_offset_m = -3.0;
   params.servo.max_tracking_error_m = 0.1;
   params.servo.spindle_rad_per_s = 0.0;
-  // no lever: a push along an axis moves a mass and turns nothing
+  // the tool's centre is at the apex, so that a push along an axis turns nothing
   params.servo.sensor = {.tool_mass_kg = 1.2, .tool_center_F_m = params.X_FT.translation()};
   params.servo.sensor.inertia_share = share;
   params.sensor_feels_inertia = true;

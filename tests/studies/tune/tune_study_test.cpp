@@ -33,8 +33,8 @@ TEST(TuneStudy, HandsReachTheGivenStiffness) {
   EXPECT_GT(HandsUpTo(10e3).size(), hands.size());
 }
 
-// With one hand, no delays and no wall, the least drag must be that of the stability tests: 28.4 and 124.7 N
-// s/m at 3 kg.
+// With one hand, no delays and no wall, the least drag must be that of admittance_stability_test.cpp: 28.4
+// and 124.7 N s/m at 3 kg.
 TEST(TuneStudy, LeastDragOfAFirmGripEqualsTheLoops) {
   TuneTask task = DemoTask();
   task.margin = 1.0;
