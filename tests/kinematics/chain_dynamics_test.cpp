@@ -252,8 +252,8 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   }
 }
 
-// The torques of the loaded arm are those of the bare arm plus J^T F, with F the wrench on the flange that
-// accelerates the payload's mass and inertia and carries its weight.
+// The torques of the loaded arm must equal those of the bare arm plus J^T F. F is the wrench on the flange
+// that accelerates the payload's mass and inertia and supports the payload's weight.
 TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
   std::mt19937_64 random{27};
   for (int n = 0; n < 50; ++n) {

@@ -290,7 +290,7 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   double last_a4 = 0.0;
   double reach_turn = 0.0;
   for (int i = 0; i < out_ticks + 1000; ++i) {
-    // the wanted speed reverses within 50 ms, as a hand's does
+    // the requested speed reverses within 50 ms, like that of a hand
     const double goal = i < out_ticks ? GetParam().speed_m_per_s : -GetParam().speed_m_per_s;
     V += std::clamp(goal - V, -GetParam().speed_m_per_s / 50, GetParam().speed_m_per_s / 50);
     // the flange moves without rotation, along the line from the shoulder to the wrist
@@ -338,8 +338,8 @@ TEST_F(DifferentialInverseTest, AnExactlyStraightArmRestsUntilItIsPulledBack) {
   EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
 }
 
-// A6 turns through zero, past the straight (singular) wrist. The parameter is the miss: the smallest angle to
-// the singular posture on the way [rad].
+// A6 turns through zero, past the straight (singular) wrist. The test's parameter is the smallest angle to
+// the singular posture along the path [rad].
 class WristTest : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(, WristTest, ::testing::Values(0.0, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.05));
 

@@ -18,7 +18,8 @@ namespace {
 constexpr int kPostures = 10'000;
 
 // The iiwa 14 as in robot descriptions: a joint's origin in the frame of the previous joint, and its axis.
-// Independent of LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
+// This description is independent of LbrArm's four lengths: the joints' origins are at other places on the
+// axes, and only their sums along the chain equal these lengths.
 KDL::Chain DescribedArm() {
   struct Row {
     double y, z;

@@ -125,7 +125,9 @@ TEST(LbrSolutions, NearestIsTheValidSolutionNearestToTheSeed) {
   EXPECT_GT(without, 1000);
 }
 
-// The wrist is outside the shell between |d_se - d_ew| and d_se + d_ew by a known distance, in any direction.
+// The wrist can reach the shell around the shoulder between the radii |d_se - d_ew| and d_se + d_ew, where
+// d_se is the length from shoulder to elbow and d_ew that from elbow to wrist. Here the wrist is a known
+// distance outside this shell, in any direction.
 TEST(LbrSolutions, ReportsTheDistanceOutOfReach) {
   const LbrArm arm(Iiwa14());
   const LbrParams& params = arm.params();

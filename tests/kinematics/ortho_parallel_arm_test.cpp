@@ -222,7 +222,8 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllEquivalents) {
 }
 
 // The wrist lies outside the torus that the two links sweep, or in the torus's hole, by a known distance. The
-// hole is out of reach only with A2 on A1 (a1 = 0): otherwise the arm reaches there from behind.
+// hole is out of reach only if A2 is on A1's axis (a1 = 0). Otherwise the arm reaches the hole with A1 turned
+// by half a turn.
 TEST(OrthoParallelArm, ReportsTheDistanceOutOfReach) {
   OrthoParallelParams params = Kr6R900Params();
   Postures postures(params, 6);
@@ -231,7 +232,7 @@ TEST(OrthoParallelArm, ReportsTheDistanceOutOfReach) {
     params.a1_m = a1_m;
     const OrthoParallelArm arm(params);
     for (int n = 0; n < 500; ++n) {
-      // from A2 into the half-plane of a random A1, forward of A1
+      // direction from A2 to the wrist: forwards, in the vertical plane of a random A1
       const double azimuth = kPi * postures.Unit(), elevation = 0.5 * kPi * postures.Unit();
       Pose X_BF = Pose(Eigen::AngleAxisd(kPi * postures.Unit(), Vector3(1, 2, 3).normalized()));
       const auto place = [&](double reach_m) {

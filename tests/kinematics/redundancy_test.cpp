@@ -97,7 +97,7 @@ JointVectorN<7> LoadGradientMotion(const PosturePreferenceParams& params, const 
   return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, {.q = q, .n = n, .held = held}).qd;
 }
 
-// The flange stands still while the elbow follows the preference. The motion must end in a posture in which
+// The flange does not move while the elbow follows the preference. The motion must end in a posture in which
 // the arm holds nearly `load_zone` times the load, or in which no neighbouring arm angle holds more.
 TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
   const Pressing pressing;

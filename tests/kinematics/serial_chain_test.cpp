@@ -111,7 +111,8 @@ TEST(SerialChain, IiwaStandsUprightAtTheCatalogueHeight) {
   EXPECT_TRUE(X_BF.linear().isIdentity(1e-15));
 }
 
-// Any point of the flange: its velocity is that of the flange's origin plus the rotation about it.
+// The velocity of any point of the flange is that of the flange's origin plus that of the rotation about the
+// origin.
 TEST(SerialChain, JacobianOfAPointFollowsFromTheFlangesJacobian) {
   std::mt19937_64 random{9};
   const SerialChain<7> arm(RandomChain<7>(random));

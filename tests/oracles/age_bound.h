@@ -7,7 +7,7 @@
 
 namespace osteon::hil {
 
-/// The damping that is left over when a loop must be stable for any age up to max_age_s. For the loop M x'' +
+/// The damping in excess of that which guarantees stability for any age up to max_age_s. For the loop M x'' +
 /// D x' + K x(t - a(t)) = 0 with M, D, K symmetric, K >= 0 and 0 <= a(t) <= max_age_s, which may vary
 /// arbitrarily (delay, hold, jitter, drop-outs):
 ///

@@ -46,7 +46,8 @@ DepthScene MakeBlockScene() {
   DepthScene scene;
   scene.name = "block";
   scene.solid = std::make_unique<BoxSolid>(Vector3(-10e-3, -10e-3, -20e-3), Vector3(10e-3, 10e-3, 0.0));
-  scene.zone = std::make_unique<PathZone>(std::vector<Vector3>{Vector3::Zero()}, 9e-3);  // around the entry
+  scene.zone = std::make_unique<PathZone>(std::vector<Vector3>{Vector3::Zero()},
+                                          9e-3);  // round the entry
   scene.tool = OneBall("ball of 5 mm", 5e-3);
   scene.corners_m = {{-3e-3, 0, 5.5e-3}, {-3e-3, 0, 0}, {3e-3, 0, 0}};
   return scene;
@@ -105,7 +106,7 @@ DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double
 }
 
 DepthMethod RecommendedMethod(const DepthScene& scene) {
-  constexpr double kReamer_m = 10e-3;  // to balls of a millimetre or two, the cut of such a tool is flat
+  constexpr double kReamer_m = 10e-3;  // larger heads cut nearly flat at the scale of the bone's balls
   if (CuttingHead(scene.tool)->radius_m >= kReamer_m)
     return {.name = "overlap", .balls = BuildPacking(*scene.solid, *scene.zone, {}), .split = {}};
   return {.name = "graded, split",

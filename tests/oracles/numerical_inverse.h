@@ -5,7 +5,7 @@
 
 // Iterative inverse kinematics for an arm of 6 or 7 joints whose axes allow no closed form: a wrist whose
 // axes do not meet, links with lateral offsets. For all others use LbrArm and OrthoParallelArm: they give
-// every solution, tell by how much a pose is out of reach, and are a hundred times faster.
+// every solution, report by how much a pose is out of reach, and are a hundred times faster.
 
 namespace osteon::kinematics {
 

@@ -51,7 +51,8 @@ Owned<OsteonTool> Drill(double diameter_m) {
   return Owned<OsteonTool>(tool);
 }
 
-// Steps the engine once with the tool at this height, then evaluates the hand's wrench. The spindle stands.
+// Steps the engine once with the tool at this height, then evaluates the hand's wrench. The spindle stands
+// still.
 OsteonWrench Press(OsteonSession* session, double z_mm) {
   const OsteonPose pose = Above(z_mm);
   OsteonWrench wrench{};

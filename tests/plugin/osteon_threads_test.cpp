@@ -13,7 +13,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/plugin/plugin_objects.h"
 
-// Sessions with threads of their own, in wall time. No assertion depends on timing.
+// Sessions that run their engine in a thread, in wall time. No assertion depends on timing.
 
 namespace osteon::plugin {
 namespace {
@@ -76,7 +76,7 @@ TEST(OsteonSessionThreads, PoseAndWrenchNeitherAllocateNorLock) {
   scope.End();
 }
 
-// A pose that is too old no longer counts: without new poses the force fades to zero.
+// If no new poses come, the last pose becomes too old and the force fades to zero.
 TEST(OsteonSessionThreads, TheForceFadesWhenPosesStop) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();

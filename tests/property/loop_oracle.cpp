@@ -176,7 +176,7 @@ std::string LoopOracle::CheckStep(const JointArray& to, Phase phase) {
   for (std::size_t i = 0; i < 7; ++i) {
     const kinematics::JointLimits& limit = allowed_.joints[i];
     const double max_step_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
-    // the command is a sum of steps: its rounding error is that of the joint's angle
+    // the command is a sum of steps, so its rounding error is relative to the joint's angle, not to the step
     const double digit_rad = 1e-15 * std::max(1.0, std::abs(from[i]));
     if (!(std::abs(to[i] - from[i]) <= max_step_rad * kRounding + digit_rad))
       return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], max_step_rad);
@@ -191,7 +191,8 @@ std::string LoopOracle::CheckStep(const JointArray& to, Phase phase) {
   const double step_m = (b.p_tool_m - a.p_tool_m).norm();
   const double max_step_m =
       (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
-  // a motion in progress when T1 is chosen brakes as fast as the joints' accelerations permit
+  // if T1 is chosen during a motion, the tool may be faster for some ticks: it brakes as fast as the joints'
+  // accelerations permit
   const double braking_step_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
   if (!(step_m <=
         std::max(max_step_m * kCurvatureFactor, reduced_ ? braking_step_m * kRounding : 0.0) + 1e-12))

@@ -53,8 +53,8 @@ TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   EXPECT_EQ(CountOccurrences(svg, "beyond"), 0u);
 }
 
-// A staircase over three decades: on a linear axis most of its corners would share a pixel column and be
-// dropped. On a logarithmic axis they lie apart, and all must stay.
+// A staircase over three decades. On a linear axis most corners would share a pixel column and be dropped. On
+// a logarithmic axis the corners are apart, and all of them must be drawn.
 TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   LineChart chart = Points();
   chart.series = {{.x = {1.5, 2.0, 2.0, 3.0, 3.0, 900}, .y = {900, 900, 500, 500, 100, 100}}};

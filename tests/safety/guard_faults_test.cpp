@@ -177,8 +177,8 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return JointsToward(at, toward);
   }
 
-  // Direction in joint space that moves a point of the arm along `way`, by finite differences, without a
-  // fault.
+  // Direction in joint space that moves a point of the arm in the direction `way`. It is computed by finite
+  // differences, with correct kinematics.
   JointVector JointsToward(std::size_t point, const Vector3& way) {
     constexpr double kStep_rad = 1e-6;
     JointVector direction;

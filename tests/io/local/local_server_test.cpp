@@ -21,7 +21,7 @@
 namespace osteon::io {
 namespace {
 
-// The sockets of this test have a folder of their own, because another cell may run on this machine.
+// These tests use their own folder for sockets, because another cell may be running on this machine.
 class LocalServerTest : public testing::Test {
  protected:
   void SetUp() override { ::setenv(kLocalFolderVariable, sockets().c_str(), 1); }

@@ -201,8 +201,8 @@ TEST(PlcClient, AnErrorTellsThatNoPlcListens) {
       << text;
 }
 
-// Each server answers wrongly in its own way. The client must count the error, and must never count as
-// connected or have a reading.
+// Each server's answer has a different error. The client must count the error, must never report that it is
+// connected, and must never return a reading.
 TEST(PlcClient, WrongAnswersNeverBecomeAReading) {
   // answers a request with these bytes; if they begin with 0xee, the request's transaction number replaces
   // the first two

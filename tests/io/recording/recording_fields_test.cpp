@@ -168,8 +168,8 @@ TEST(RecordingFields, CarriesAContactCountOutOfRange) {
   }
 }
 
-// The contact count (field 20) is appended to a frame of three contacts, with another number: the last
-// occurrence of a field counts.
+// The contact count (field 20) is appended to a frame of three contacts, with a different number. In
+// protobuf, the last occurrence of a field is the valid one.
 TEST(RecordingFields, RefusesAContactCountThatDiffersFromTheContacts) {
   for (const unsigned char count : {'\x02', '\x08', '\x14', '\x01'}) {  // sint32: 1, 4, 10, -1
     simulation::FrameRecord r;

@@ -155,8 +155,8 @@ TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   EXPECT_EQ(found, 3u);
 }
 
-// A limit on the file's size stands for a full disk: the system refuses the same write. Push() must still
-// accept each tick.
+// A limit on the file's size takes the place of a full disk: the system refuses to write in the same way.
+// Push() must still accept each tick.
 TEST_F(RecordingLoss, AFullDiskIsReportedAndDoesNotDisturbTheTick) {
   constexpr std::uint64_t kTicks = 1000;
   Child child(*shared_, [&](Shared& shared) {

@@ -145,7 +145,7 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
 // In a compressed chunk that is cut off, all complete blocks (128 KiB of records each) are kept.
 TEST_F(RecoverRecordingTest, KeepsTheCompleteBlocksOfACutOffCompressedChunk) {
   const auto chunks = Chunks(compressed_);
-  ASSERT_GE(chunks.size(), 3u);  // the session, up to the event at tick 250, the rest
+  ASSERT_GE(chunks.size(), 3u);  // session; until the event at tick 250; rest
   const auto [start, size] = chunks[1];
   std::size_t before = 0, most_unchecked = 0;
   for (std::size_t cut = start; cut < start + size; cut += 2311) {

@@ -33,7 +33,7 @@ class RsiSessionTest : public ::testing::Test {
     params.entry_step_deg = entry_step_deg;
     session_.emplace(params);
   }
-  // Passes a robot message to the session, 4 ms after the one before.
+  // Passes a robot message to the session, 4 ms after the previous message.
   RsiAccept AcceptNext(std::uint64_t ipoc, std::uint32_t delay = 0) {
     now_ += 4 * rt::kMillisecond;
     return session_->Accept(test::Bytes(Robot(ipoc, delay)), now_, state_);

@@ -1,6 +1,7 @@
 // launch COMMAND …: runs the command without the processor's extended register sets as seen by ptrace
 // (NT_X86_XSTATE), so that user-mode Linux uses the basic ones. User-mode Linux has a buffer of fixed size
-// for the extended sets: on processors with larger registers (AMX) it ends with "ptrace set fp regs failed".
+// for the extended sets. On processors with larger sets (AMX) user-mode Linux would end with "ptrace set fp
+// regs failed".
 
 #include <linux/audit.h>
 #include <linux/filter.h>

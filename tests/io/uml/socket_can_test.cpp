@@ -38,7 +38,7 @@ std::unique_ptr<SocketCanBus> Open(SocketCanParams params = {}) {
 void Shell(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
 void CanSend(const std::string& frame) { Shell("cansend " + std::string(Interface()) + " " + frame); }
 
-// A deadline that a busy machine meets.
+// A deadline that is long enough for a busy machine.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + 20 * rt::kSecond; }
 
 // Frames received until none has come for 100 ms: a busy kernel may pass a frame on after send() returned.

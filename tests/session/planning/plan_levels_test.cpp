@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-// A packing, its measured error of removal, and the forces that a hand feels in its run.
+// A packing, its measured error of removal, and the forces in its run.
 struct Level {
   PackedLevel packed;
   double error_m{0.0};

@@ -13,8 +13,8 @@
 namespace osteon::session {
 namespace {
 
-// Asks a session to finish whenever the previous request was answered. Keeps each answer that differs from
-// the one before.
+// Asks a session to finish again as soon as the previous request was answered. Keeps each answer that differs
+// from the previous answer.
 struct Asker {
   ProcedureSession* session;
   std::vector<std::string> reasons{};  // why the request was refused; empty: done

@@ -46,7 +46,7 @@ inline const CellSetup& PackedCell(double diameter_mm) {
 struct Rig {
   struct Choice {
     double seconds{1.0};                  // length of the run
-    const SessionFile* resumed{nullptr};  // the session that goes on; null: a new one
+    const SessionFile* resumed{nullptr};  // the session to continue; null: a new session
     bool guided{false};                   // with the guidance of the demo's plan
     bool scripted{true};                  // tools are changed by a script, not by requests
   };

@@ -32,7 +32,7 @@ constexpr double kSeconds = 6.0;  // duration of rendering in each run
 constexpr int kMaxTicks = 9000;   // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
 constexpr int kTicksToRest = 300;            // number of ticks after a fault in which the arm may still brake
-constexpr double kMaxRestMotion_rad = 1e-4;  // largest motion of a joint that counts as standstill
+constexpr double kMaxRestMotion_rad = 1e-4;  // a joint that moves at most so far stands still
 
 /// How a case begins.
 enum class Begins : std::uint8_t {
@@ -202,7 +202,7 @@ class AskedRun {
     });
   }
 
-  // Checks that the session ended in order, and that every state that it ever saved is still there.
+  // Checks that the session ended properly, and that every state that it saved still exists.
   void CheckFolder() {
     const auto session = ReadSession(rig_.folder);
     if (!session) return Complain(session.error());

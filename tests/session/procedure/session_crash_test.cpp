@@ -140,7 +140,7 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   return ChildEnd::kFailed;
 }
 
-// Whether this machine lets a process trace its child.
+// Whether this machine permits a process to trace its child.
 bool MayTrace() {
   return KilledBefore(1, [] {}) == ChildEnd::kDone;
 }

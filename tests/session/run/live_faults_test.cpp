@@ -9,7 +9,7 @@ namespace {
 
 using safety::Fault;
 
-// Counts the ticks that are passed on.
+// Counts the ticks that LiveFaults passes on.
 class Sink final : public io::RecordSink {
  public:
   void TakeTick(const control::TickRecord&) override { ++ticks; }

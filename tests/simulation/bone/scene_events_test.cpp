@@ -219,7 +219,7 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedAtItsFirstMassPoint) {
   EXPECT_NEAR(events[0].value, 0.004, 1e-12);
 }
 
-// A saved packing has no solid: mass points stand for its regions, and walls are not watched.
+// A saved packing has no solid. Its mass points then represent the regions, and walls are not watched.
 TEST(SceneEvents, WithoutASolidRegionsAreReachedAtMassPointsAndWallsAreNotWatched) {
   Bone bone = DentineAndPulp();
   bone.points = {{.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1}};
@@ -269,7 +269,7 @@ TEST(SceneEvents, MolarsPulpDistanceAgreesWithItsTissue) {
     inside += pulp->distance_m < 0.0 ? 1 : 0;
   }
   EXPECT_GT(inside, 20);
-  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kDentine, Vector3::Zero()));  // no region of its own
+  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kDentine, Vector3::Zero()));  // dentine is no separate region
   EXPECT_FALSE(molar.RegionDistance(MolarSolid::kEnamel, Vector3::Zero()));
 }
 

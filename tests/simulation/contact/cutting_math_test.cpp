@@ -140,8 +140,9 @@ TEST(LensVolume, IsTheVolumeOfAContainedBallAndZeroForBallsApart) {
   EXPECT_EQ(LensVolume(5.0, 2.0, 70.0), 0.0);
 }
 
-// The volume has two joins: where the smaller ball becomes contained, and where the balls part. Its slope is
-// continuous there, so at a distance h from a join it differs from its constant value by the order of h^2.
+// As a function of the balls' distance, the volume has two joins: the smaller ball becomes contained, and the
+// balls part. The slope is continuous at both joins. At a distance h from a join, the volume therefore
+// differs from the constant value beyond it by the order of h^2.
 TEST(LensVolume, IsSmoothWhereBallsPartAndWhereOneIsContained) {
   for (const double r2 : {0.3, 2.0, 4.5}) {
     const double r1 = 5.0, contained = 4.0 / 3.0 * std::numbers::pi * r2 * r2 * r2;

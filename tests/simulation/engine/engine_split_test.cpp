@@ -228,7 +228,8 @@ CuttingParams ContactSphereAlone() {
   return params;
 }
 
-// See docs/cutting.md.
+// The contact sphere is the only tool ball that cuts; docs/cutting.md explains why this leaves bone in the
+// path of the other balls.
 TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   Tool tool;  // a bar of five balls that goes down flat
   tool.name = "bar";

@@ -75,8 +75,8 @@ TEST(CpuEngine, EqualsTheReferenceBitForBitWhileBurringTwoThousandFrames) {
   ExpectEqualStatesAndAtLeast(engines, {.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
 }
 
-// The tool rotates, and the spindle is on and off. Either all of its balls cut or only the one that touches
-// first.
+// The tool rotates, and the spindle is switched on and off. Either all of its balls cut or only the one that
+// touches first.
 TEST(CpuEngine, EqualsTheReferenceBitForBitForARotatingShellOfSixtyBalls) {
   constexpr int kFrames = 250;
   for (const Cutters cutters : {Cutters::kAll, Cutters::kContactSphere}) {

@@ -11,7 +11,7 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/ball_solid.h"
 
-// Tests of packings with a wanted number of balls that keep the scene's packing in the cut zone, or are
+// Tests of packings with a given number of balls. They keep the scene's packing in the cut zone, or they are
 // uniform.
 
 namespace osteon::simulation {

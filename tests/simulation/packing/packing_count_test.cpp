@@ -10,7 +10,7 @@
 #include "simulation/solids/mesh_solid.h"
 #include "tests/simulation/packing/cover_index.h"
 
-// Tests of overlapping packings with a wanted number of balls.
+// Tests of overlapping packings with a given number of balls.
 
 namespace osteon::simulation {
 namespace {

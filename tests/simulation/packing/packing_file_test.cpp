@@ -161,7 +161,7 @@ TEST_F(PackingFileTest, PointsAndSiteMayBeAbsent) {
   EXPECT_EQ(file->ToBone().site.radius_m, 0.0);
 }
 
-// Threads check pieces of a mebibyte each; this file has three pieces and a rest.
+// Threads check pieces of a mebibyte each; this file has three whole pieces and a part of one.
 TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
   std::string bytes = Saved(SomeBone(200'000, 0));
   for (const std::size_t i : {199'999u, 150'000u, 140'001u})

@@ -179,7 +179,7 @@ TEST(BallRemoval, BlocksOfClearedBallsAreReusedFromTheNextFrameOn) {
   EXPECT_EQ(removal.refused(), 1u);
   EXPECT_EQ(removal.blocks_in_use(), 1u);
   EXPECT_EQ(removal.max_blocks_in_use(), 1u);
-  // children of a ball that was cut before lie in the rest of that ball
+  // this ball was cut before it was split: its children must lie in what was left of it
   for (std::size_t i = 2; i < balls.size(); ++i) {
     if (balls[i].radius_m > 0.0) {
       EXPECT_LE((balls[i].center_m - Vector3(20e-3, 0, -0.05e-3)).norm() + balls[i].radius_m,
@@ -276,7 +276,7 @@ TEST(BallRemoval, ABudgetForEachFrameOnlyDelaysSplitting) {
 }
 
 // The tool has 60 balls, so the block of a waiting ball has no room for all capsules that hit the ball.
-// Nothing may remain in the sweep all the same.
+// Nothing may remain in the sweep nevertheless.
 TEST(BallRemoval, WaitingBallsAreCutRightWhenTheirCapsuleListIsFull) {
   Balls balls = Lattice(5);
   SplitParams params = Split();

@@ -55,8 +55,8 @@ TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
   }
 }
 
-// Where the nearest feature is a sharp vertex, the normal of one of its faces may point the wrong way; only
-// the angle-weighted pseudonormal gives the sign. Oracle: parity of the crossings of a ray with all
+// If the nearest feature is a sharp vertex, the normal of one of its faces may give the wrong sign. Only the
+// angle-weighted pseudonormal gives the right one. Oracle: parity of the crossings of a ray with all
 // triangles.
 TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);

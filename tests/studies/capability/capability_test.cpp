@@ -86,8 +86,9 @@ TEST(CapabilityTask, PosesOutsideTheWorkspaceAreOmitted) {
   EXPECT_LT(TaskPoses(task, {}, 0.0).size(), 243u);
 }
 
-// If the base turns about its own axis and joint A1 turns back by the same angle, the arm stands as before
-// and holds the same forces, on a wall as on the floor.
+// If the base turns about its own axis and joint A1 turns back by the same angle, the arm has the same
+// posture as before and must hold the same forces. The test does this with a base on the floor and with one
+// on a wall.
 TEST(ArmForce, ABaseTurnedAboutItsAxisHoldsTheSame) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_14_r820");
   const CapabilityNeed need{.axial_N = 200.0, .lateral_N = 40.0, .torque_Nm = 2.0, .lateral_from = ""};

@@ -10,8 +10,8 @@
 #include "studies/identify/excited_run.h"
 #include "tests/temporary_path.h"
 
-// Compares recordings of `osteon identify`, made in virtual time. Nothing is cut in them, so they have
-// figures of their own: the arm's response and the sensor's noise.
+// Compares recordings of `osteon identify`, made in virtual time. Nothing is cut in these recordings, so
+// other figures are compared than in a run: the arm's response and the sensor's noise.
 
 namespace osteon::studies {
 namespace {

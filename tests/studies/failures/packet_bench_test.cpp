@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 // The simulation of scenario 14 (packet loss): the condition D > a_max K (drag, largest age, stiffness) must
-// tell growing motions from decaying ones.
+// distinguish growing motions from decaying ones.
 
 namespace osteon::studies {
 namespace {

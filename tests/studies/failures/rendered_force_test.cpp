@@ -14,7 +14,7 @@
 
 // Compares the force that the servo loop renders with that of an ideal wall, corner and cup at the same
 // tick's pose. The bone is packed with balls; the engine's frames, at 500 Hz, arrive 3 ms after their pose;
-// the coupling runs each millisecond. Lengths are in metres, W and G coincide, and the spindle stands.
+// the coupling runs each millisecond. Lengths are in metres, W and G coincide, and the spindle stands still.
 
 namespace osteon::studies {
 namespace {

@@ -183,8 +183,8 @@ TEST(DesignTable, JointsThatStickAtASlowMotionAreRefused) {
   EXPECT_TRUE(told) << slow.refused.front().what;
 }
 
-// A pedestal of 2 MN/m gives way, unseen by the encoders, and no servo model fits (in the design: 12.6 Hz,
-// chi^2 14). Only the measured response is written.
+// A pedestal of 2 MN/m yields, which the encoders don't measure, so no servo model fits (in the design: 12.6
+// Hz, chi^2 14). Only the measured response is written.
 TEST(DesignTable, OnAFlexiblePedestalOnlyTheMeasuredResponseIsWritten) {
   session::CellSetup setup = DemoWithMasses();
   for (auto& joint : setup.config.simulated.chain.joints) joint.friction = {};

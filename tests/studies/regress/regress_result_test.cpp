@@ -104,7 +104,8 @@ TEST(RegressResult, JsonHasTheDocumentedKeys) {
   EXPECT_EQ(json["scenarios"][2]["first_difference"]["tick"], 8);
 }
 
-// The file has one suite, one case for each scenario, the counts, and no character that XML forbids.
+// The JUnit file must have one suite, one case for each scenario, the counts, and no character that XML
+// forbids.
 TEST(RegressResult, JunitFileIsXmlWithACaseForEachScenario) {
   const auto results = ResultsOfEachKind();
   const RegressOptions options;

@@ -40,7 +40,8 @@ double LogGrowth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<doubl
   return std::log(size[2] / size[1]);
 }
 
-// A random symmetric matrix, its eigenvalues evenly distributed in the logarithm over least … most.
+// A random symmetric matrix. The logarithms of its eigenvalues are uniformly distributed between those of
+// `least` and `most`.
 Matrix6 RandomSymmetric(std::mt19937_64& bits, double least, double most) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> spread(std::log(least), std::log(most));

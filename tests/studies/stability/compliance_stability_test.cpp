@@ -224,7 +224,7 @@ TEST(CompliantLoop, EqualsTheAdmittanceLoopWithTheMeanAcceleration) {
     const double mean = hil::CompliantLoop(params).SpectralRadius();
     EXPECT_NE(mean, design);
     hil::AdmittanceLoopParams rigid = params.loop;
-    rigid.arm.dead_cycles += 1.0;  // counts from the tick that sends the command
+    rigid.arm.dead_cycles += 1.0;  // AdmittanceLoop counts the sending tick too
     EXPECT_NEAR(mean, hil::AdmittanceLoop(rigid).SpectralRadius(), 1e-9);
   }
 }

@@ -52,7 +52,7 @@ TEST(ToolInertiaLoad, TheControllerRecoversTheHandsWrench) {
   EXPECT_LT((without.t + inertia.t - hand.t).norm(), 1e-12);
 }
 
-// A bench whose sensor feels the tool's inertia; the loop compensates this share.
+// A bench whose sensor measures the tool's inertial force too; the loop compensates this share of it.
 HandleBenchParams Bench(double share) {
   HandleBenchParams params;
   params.arm.level = hil::ArmLevel::kServo;

@@ -149,8 +149,8 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndDecideTheVerdict) {
   EXPECT_NE(NyquistSvg(task, {1.7, 15.0}, {1.7, 60.0}, good).find("<svg"), std::string::npos);
 }
 
-// A structural resonance of 22 Hz that the encoders don't see: gains that are stable with the arm's model are
-// unstable.
+// The arm has a structural resonance of 22 Hz that the encoders don't measure. Gains that are stable with the
+// arm's model are unstable with it.
 TEST(TuneMeasured, WithAStructuralResonanceOnlyTheResponseDecides) {
   ResponseModel truth = SlowArm();
   truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};

@@ -64,7 +64,7 @@ TEST(ConstantFeed, ForceGrowsWithTheDepthOfCutByChipAndEdgeShares) {
 }
 
 // A drill's axial stiffness is EA / L. At a constant feed its thrust must settle at that of a rigid drill,
-// with the point behind by the thrust over this stiffness.
+// and the drill's point must lag by the thrust over this stiffness.
 TEST(ConstantFeed, ACompliantDrillSettlesAtTheSameThrust) {
   const ConstantFeedResult rigid = DrillAtConstantFeed(CorticalDrilling(1000));
   ConstantFeedParams params = CorticalDrilling(1000);
