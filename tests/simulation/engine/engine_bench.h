@@ -53,7 +53,7 @@ inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool wit
   bone.points.insert(bone.points.end(), points.begin(), points.end());
 }
 
-/// Specific cutting energies u_c [J/m^3]: cancellous bone, assumed (docs/cutting.md); and a softer bone in
+/// Specific cutting energies u_c [J/m^3]: an assumed one of cancellous bone, and one of a softer bone in
 /// which short runs cut deep.
 inline constexpr double kSpongy = 60e6, kSoft = 4e6;
 

@@ -228,8 +228,7 @@ CuttingParams ContactSphereAlone() {
   return params;
 }
 
-// The contact sphere is the only tool ball that cuts; docs/cutting.md explains why this leaves bone in the
-// path of the other balls.
+// The paper's method: only the contact sphere cuts (docs/method.md, deviation 8).
 TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   Tool tool;  // a bar of five balls that goes down flat
   tool.name = "bar";

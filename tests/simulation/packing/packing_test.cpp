@@ -121,7 +121,7 @@ TEST_F(Packing, HasNoHolesNearTheCupAndOnlySmallOnesElsewhere) {
 
 // The purpose of overlapping balls is that little bone is lost beyond the tool's sweep. A reamer of diameter
 // 50 mm goes in along the axis; each ball that it meets shrinks to the largest ball inside the old one and
-// outside the sweep (docs/cutting.md, pass 3).
+// outside the sweep (docs/theory/removal.md).
 TEST_F(Packing, LosesLittleBoneBeyondAReamersSweep) {
   const double reamer = 0.025;
   for (const double depth : {0.5e-3, 2e-3, 4e-3}) {

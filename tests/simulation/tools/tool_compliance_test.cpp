@@ -8,8 +8,8 @@
 
 #include "simulation/tools/tool_kinds.h"
 
-// Compliance of tools as beams, against analytic cantilevers and against the stiffnesses in the design's
-// table.
+// Compliance of tools as beams, against analytic cantilevers and against the stiffnesses in
+// docs/theory/compliance.md.
 
 namespace osteon::simulation {
 namespace {
@@ -76,7 +76,7 @@ TEST(ToolCompliance, AConeHasTheComplianceOfItsIntegral) {
   EXPECT_NEAR(CantileverCompliance(cone, {}).C_T(0, 0) / exact, 1.0, 1e-4);
 }
 
-// Lateral stiffnesses of the design's table, within 1 %.
+// Lateral stiffnesses from the tables in docs/theory/compliance.md, and some of their prototype, within 1 %.
 TEST(ToolCompliance, TheShippedToolsHaveTheDesignsStiffness) {
   const ToolCompliance drill = Drill(3.2, 36, 65);
   EXPECT_NEAR(drill.lateral_N_per_m, 8720.0, 87.2);

@@ -124,7 +124,7 @@ TEST(ArmForce, ElbowAndWristAreTheLinksLengthsApart) {
   EXPECT_NEAR((centers.p_B_wrist - centers.p_B_elbow).norm(), 0.400, 1e-12);
 }
 
-// The design states (control.md) that the smaller arm, the iiwa 7, holds 200 N axially in 95 % of its
+// docs/capability.md states that the smaller arm, the iiwa 7, holds 200 N axially in more than 95 % of its
 // postures.
 TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_7_r800");

@@ -23,7 +23,7 @@ constexpr double kK = 20e3;        // stiffness of the engine's contacts [N/m]
 constexpr int kFrameEvery_ms = 2;  // 500 Hz
 constexpr int kFrameTakes_ms = 3;
 constexpr int kApproach_ms = 300, kHold_ms = 300, kAfter_ms = 100;
-constexpr int kNoticed_ms = 10;  // a hand notices a step after this time, by the design
+constexpr int kNoticed_ms = 10;  // assumed time after which a hand notices a step
 
 /// A path of the tool's apex (an approach, a rest under pressure, and a sudden step), with the ideal bone's
 /// force.

@@ -20,7 +20,8 @@
 #include "tests/temporary_path.h"
 
 // Rows of the design's tables: short recordings, slow motions, jitter, and an arm with masses and friction.
-// Seeds are fixed and time is virtual.
+// The design is the prototype that preceded this code; docs/identify.md compares both. Seeds are fixed and
+// time is virtual.
 
 namespace osteon::studies {
 namespace {

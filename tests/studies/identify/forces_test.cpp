@@ -90,7 +90,8 @@ TEST(IdentifyTable, PredictsTheStabilityLimitsOfTheTrueArm) {
     EXPECT_NEAR(one.lag_ms.mean, one.lag_ms.truth, 0.02);
   }
   EXPECT_EQ(row.seconds, 64.0);
-  // the design's finding: one more millisecond of dead time lowers the stiffest wall by a third
+  // one more millisecond of dead time must lower the stiffest wall by a third, as in the prototype of this
+  // study
   hil::ServoArmParams late = params.arm;
   late.dead_cycles += 1.0;
   EXPECT_LT(GreatestWall(late, kPeriod_s), 0.8 * GreatestWall(params.arm, kPeriod_s));

@@ -197,7 +197,7 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
   }
 }
 
-// --- stability limits predicted from an identified arm, for the other arms of the design ---
+// --- stability limits predicted from an identified arm, for three further arms ---
 
 struct TableArm {
   const char* name;

@@ -98,7 +98,8 @@ TEST(IdentifyJoints, AJointOfAKrIsIdentifiedAsSimulated) {
 }
 
 // An arm with masses, and with friction that the controller does not compensate. At 2 % of their speed its
-// joints stick and must be refused; the design found "A1 687 Hz, zeta 67".
+// joints stick and must be refused; otherwise the fit would give absurd values (687 Hz and zeta 67 for A1 in
+// a prototype).
 TEST(IdentifyJoints, JointsThatStickAtASlowMotionAreRefused) {
   session::CellSetup setup = CellNamed("demo");
   setup.config.simulated.level = hil::ArmLevel::kDynamic;

@@ -1,5 +1,5 @@
-// Model B of the design's stability page: a hand that holds an admittance-controlled arm. The shipped loop is
-// compared with an independent model in plain scalars, and both with the design's tables.
+// Model B of docs/theory/stability.md: a hand that holds an admittance-controlled arm. The shipped loop is
+// compared with an independent model in plain scalars, and both with the tables of that page.
 
 #include <cmath>
 #include <numbers>
@@ -16,14 +16,15 @@
 namespace osteon::studies {
 namespace {
 
-/// A case of the design's table. rho is the spectral radius for one period: below 1 the loop is stable.
+/// A row of the table in docs/theory/stability.md. rho is the spectral radius for one period: below 1 the
+/// loop is stable.
 struct Row {
   const char* name;
   hil::GridHand hand;
   double m_v, b_v;  // virtual tool: mass [kg], drag [N s/m]
   hil::LoopWall wall;
   double rho;        // of the shipped loop
-  double first_rho;  // of the design's first table; 0: not in it
+  double first_rho;  // of the model's first form; 0: not in the table
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
@@ -52,8 +53,8 @@ TEST_P(ModelB, SpectralRadiusEqualsThatOfTheModelInScalars) {
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
 
-// The design's first table used the hand's acceleration just after the command's step, and one more period of
-// dead time than the present one.
+// The model's first form (docs/theory/stability.md) used the hand's acceleration just after the command's
+// step, and one more period of dead time than now.
 TEST_P(ModelBFirstTable, TheModelInScalarsReproducesTheDesignsFirstTable) {
   hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
@@ -102,13 +103,13 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelB, testing::ValuesIn(Rows()),
 INSTANTIATE_TEST_SUITE_P(Design, ModelBFirstTable, testing::ValuesIn(FirstRows()),
                          [](const auto& test) { return test.param.name; });
 
-/// The stiffest stable wall with a firm hand, as the design states it.
+/// The stiffest stable wall with a firm hand, from docs/theory/stability.md.
 struct WallRow {
   const char* name;
   hil::WallOn on;
   int age_ticks, sensor_delay;
   double most_kN_per_m;
-  double tolerance;  // the design gives two or three digits
+  double tolerance;  // the page gives two or three digits
 };
 void PrintTo(const WallRow& row, std::ostream* os) { *os << row.name; }
 
@@ -137,7 +138,7 @@ TEST_P(MaxWallStiffnessOfAFirmHand, IsReachedWithinOnePercentByTheShippedParts) 
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-// (The first table, with one more period of dead time, had 192, 101, 67, 53, 18 and 2.4 kN/m.)
+// (The model's first form, with one more period of dead time, had 192, 101, 67, 53, 18 and 2.4 kN/m.)
 INSTANTIATE_TEST_SUITE_P(
     Design, MaxWallStiffnessOfAFirmHand,
     testing::Values(WallRow{"local", hil::WallOn::kCommanded, 0, 1, 208.3, 0.002},
@@ -169,16 +170,16 @@ TEST(AdmittanceStability, StifferGripsNeedMoreDrag) {
     loop.hand = {"", k, b, m};
     return hil::MinDrag(loop);
   };
-  // (the first table, with one more period of dead time, had 24, 125, 367 and 657 N s/m)
+  // (the model's first form, with one more period of dead time, had 24, 125, 367 and 657 N s/m)
   EXPECT_NEAR(least(3e3, 20, 1.5), 28.43, 0.002 * 28.43);
   EXPECT_NEAR(least(10e3, 20, 1.5), 124.7, 0.002 * 124.7);
   EXPECT_NEAR(least(30e3, 20, 1.5), 353.4, 0.002 * 353.4);
   EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
 }
 
-// The design's figures at 1.7 kg. The loop uses the mean of the acceleration over the period. The least drag
-// with a grip is then 21.1 N s/m (14.5 in the design's first form), and 19.4 N s/m with one period less of
-// dead time. The demo cell's critical hand needs 27.7.
+// Figures of docs/theory/stability.md at 1.7 kg. The loop uses the mean of the acceleration over the period.
+// The least drag with a grip is then 21.1 N s/m (14.5 in the model's first form), and 19.4 N s/m with one
+// period less of dead time. The demo cell's critical hand needs 27.7.
 TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   const auto least = [](const hil::GridHand& hand, double dead) {
     hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};

@@ -1,5 +1,6 @@
 // Stability of loops with compliance (docs/theory/compliance.md): a massless link, and a bone on its mount,
-// added to Model B. The rows are the design's: a hand of 3000 N/m, 60 N s/m and 3 kg, and an arm of 15 Hz.
+// added to Model B. The rows are those of that page's tables: a hand of 3000 N/m, 60 N s/m and 3 kg, and an
+// arm of 15 Hz.
 
 #include <cmath>
 #include <numbers>
@@ -19,7 +20,7 @@ namespace {
 
 const hil::GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
 
-/// The design's loop with a wall of this stiffness, and a virtual tool of mass m_v [kg] and drag b_v [N s/m],
+/// The tables' loop with a wall of this stiffness, and a virtual tool of mass m_v [kg] and drag b_v [N s/m],
 /// without compliance.
 hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
   hil::CompliantLoopParams params;
@@ -30,7 +31,7 @@ hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v
   return params;
 }
 
-/// Expects a spectral radius of the design's table: its logarithm within 1 %.
+/// Expects a spectral radius of the tables: its logarithm within 1 %.
 void ExpectRadius(double found, double expected) {
   const double log_rho = std::log(expected);
   EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 6e-6) << "five digits are given";

@@ -4,7 +4,7 @@
 
 #include "hil/loops/admittance_loop.h"
 
-// Model B of the design's stability page (a hand at an admittance-controlled arm) with compliance between the
+// Model B of docs/theory/stability.md (a hand at an admittance-controlled arm) with compliance between the
 // virtual tool and the wall: a massless link, and a bone on its mount.
 //
 //     hand ── arm: w, z, dead time ◀── x_c ── virtual tool ── link e ── K ── wall ── mount d: m, k, zeta
@@ -31,7 +31,7 @@ struct CompliantLoopParams {
   std::optional<LoopLink> link{};
   std::optional<LoopMount> mount{};
   /// true: the hand's acceleration is the mean over the previous period, as in AdmittanceLoop; false: it is
-  /// that at the period's beginning, as in the design.
+  /// that at the period's beginning, as in the tables of docs/theory/compliance.md.
   bool mean_acceleration{false};
 };
 
@@ -45,7 +45,8 @@ struct CompliantLoopParams {
 ///             x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'
 ///
 /// The dead time dc is counted in whole periods. With mean_acceleration, x_r'' = (x_r'[k] - x_r'[k-1]) / T
-/// instead: the design's acceleration adds m_h w^2 T / 2 to the hand's damping just after a command's step.
+/// instead. The acceleration at the period's beginning adds m_h w^2 T / 2 to the hand's damping just after a
+/// command's step.
 class CompliantLoop {
  public:
   /// @throws std::invalid_argument naming the field, what was found and what is accepted.

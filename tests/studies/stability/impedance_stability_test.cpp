@@ -1,4 +1,4 @@
-// Model A of the design's stability page: an impedance device at a virtual wall.
+// Model A of docs/theory/stability.md: an impedance device at a virtual wall.
 
 #include <cmath>
 #include <ostream>
@@ -11,7 +11,8 @@
 namespace osteon::studies {
 namespace {
 
-// A case of the design's table: mass m [kg], drag b and wall damping B [N s/m], delay d [ticks].
+// A case that a prototype of this model computed: mass m [kg], drag b and wall damping B [N s/m], delay d
+// [ticks].
 struct Row {
   const char* name;
   double m, b, B;

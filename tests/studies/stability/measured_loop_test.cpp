@@ -182,8 +182,8 @@ TEST(MeasuredLoop, AStructuralResonanceNeedsMoreDrag) {
   EXPECT_FALSE(JudgeMeasuredLoop(by_force, params).stable);
 }
 
-// The design's claim: a resonance acts on the force sensor, but the encoders miss it. It raises the least
-// drag and lowers the stiffest wall.
+// A resonance acts on the force sensor, but the encoders miss it (docs/identify.md). It must raise the least
+// drag and lower the stiffest wall.
 TEST(MeasuredLoop, AResonanceUnseenByEncodersRaisesDragAndLowersWalls) {
   const ResponseModel arm{.arm = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0}};
   const auto with = [&](double hz) {
@@ -212,7 +212,7 @@ TEST(MeasuredLoop, AResonanceUnseenByEncodersRaisesDragAndLowersWalls) {
     }
     return low;
   };
-  // (The design, with its own law and acceleration, has 24 and 949 N s/m, 80.7 and 26.6 kN/m.)
+  // (A prototype with another law and acceleration had 24 and 949 N s/m, 80.7 and 26.6 kN/m.)
   EXPECT_NEAR(least_drag(0.0), 32.0, 1.0);
   EXPECT_GT(least_drag(22.0), 20.0 * least_drag(0.0));
   EXPECT_LT(greatest_wall(35.0), 0.55 * greatest_wall(0.0));

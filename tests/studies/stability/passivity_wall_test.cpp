@@ -15,8 +15,8 @@
 namespace osteon::studies {
 namespace {
 
-// The loop of a light hand. Its stiffest stable wall is 2.9 kN/m; the design, which computes the hand's
-// acceleration differently, has 3.3 kN/m.
+// The loop of a light hand. Its stiffest stable wall is 2.9 kN/m (docs/theory/stabilisers.md). A prototype,
+// which computed the hand's acceleration differently, had 3.3 kN/m.
 hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
