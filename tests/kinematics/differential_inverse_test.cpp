@@ -234,7 +234,7 @@ TEST_F(DifferentialInverseTest, ApproachToAJointLimitKeepsTheDirectionAndIsMonot
   start << 0.3, 1.6, -0.9, 0.4, 0.9, 0.2;
   SimulatedArm<6> simulated(ParamsWithoutA3(), start);
   const double bound = ParamsWithoutA3().limits[1].upper_rad - ParamsWithoutA3().position_margin_rad;
-  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // as A2 alone would move the tool
+  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // the tool's motion by A2 alone
   double last_share = 1.0, last_q = start[1];
   bool arrived = false;
   for (int i = 0; i < 6000; ++i) {

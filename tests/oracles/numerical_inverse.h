@@ -34,7 +34,7 @@ struct NumericalInverseResult {
   InverseStop stop{InverseStop::kNotFinite};   ///< why the attempt that gave q ended
   double error_m{0.0};
   double error_rad{0.0};
-  int iterations{0};  ///< of all attempts
+  int iterations{0};  ///< in all attempts together
   int restarts{0};
 
   [[nodiscard]] bool reached() const noexcept { return stop == InverseStop::kReached; }

@@ -295,7 +295,7 @@ TEST(ArmPropertyLevels, WithoutTheGuardTheArmRefusesWhatARealArmRefuses) {
 
 TEST(ArmPropertyCases, RandomCasesMoveTheArmAndReachZonesOfEveryShape) {
   int fast = 0, cases = 0;
-  std::array<int, 5> stopped_at{};  // by shape
+  std::array<int, 5> stopped_at{};  // number of cases by the zone's shape
   CheckShard(110, 1, 4'000, [&] {
     const ZoneChoices zones = *AnyZones();
     const std::vector<Op> ops = *WildOps(kPushes, kKinds);

@@ -20,7 +20,7 @@ using planted::Fault;
 constexpr int kEpisodes = 40;  // motions in random directions, per fault
 constexpr int kMinCaught = 2;  // some faults show in some directions only, and stop the arm early in others
 constexpr int kTicks = 600;    // length of an episode
-constexpr double kSpeed_m_per_s = 0.15;  // of the controller; the guard has the same limit plus a quarter
+constexpr double kSpeed_m_per_s = 0.15;  // the controller's limit; the guard's is a quarter higher
 constexpr double kTurn_rad_per_s = 1.0;
 constexpr double kReach_m = 0.06;   // radius of the workspace's sphere: the tool reaches it within kTicks
 constexpr double kStart_m = 0.012;  // distance from the start to the bound of a zone

@@ -5,7 +5,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/fri/fri_session_fixture.h"
 
-// What FriSession answers in each session state, version and mode, and when it passes the loop's commands on.
+// FriSession's answers in each session state, version and command mode, and the conditions under which it
+// passes on the loop's commands.
 
 namespace osteon::io {
 namespace {

@@ -16,7 +16,7 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// What a recording loses if its process is killed, if the disk is full, and if its file is removed.
+// Losses of a recording if its process is killed, if the disk is full, and if its file is removed.
 
 namespace osteon::io {
 namespace {
@@ -137,8 +137,8 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// After three ticks nothing more is pushed: the writer's thread must write the ticks to the file after a time
-// of its own.
+// After three ticks nothing more is pushed: the writer's thread must write the ticks to the file without a
+// further push.
 TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());

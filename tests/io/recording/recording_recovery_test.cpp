@@ -18,7 +18,7 @@ using test::SomeFrame;
 using test::SomeTick;
 using test::WriteAll;
 
-constexpr std::uint64_t kTicks = 400;  // of the recording below, at 1 kHz
+constexpr std::uint64_t kTicks = 400;  // length of the recording below, at 1 kHz
 
 // Reads the little-endian 64-bit number at an offset.
 std::uint64_t IntAt(const std::string& bytes, std::size_t at) {
@@ -89,7 +89,7 @@ class RecoverRecordingTest : public testing::Test {
   test::TemporaryFolder folder_;
   std::filesystem::path torn_{folder_.path() / "torn.mcap"}, out_{folder_.path() / "whole.mcap"};
   std::string whole_;       // uncompressed, in many chunks: a message's bytes can be found in it
-  std::string compressed_;  // as it was recorded
+  std::string compressed_;  // compressed, as the recorder writes it
   Recording kept_;
 };
 

@@ -22,7 +22,7 @@ class GainsPanelTest : public testing::Test {
     own_ = control::GainsOf(setup_->config.servo.admittance, setup_->config.servo.coupling);
   }
   decltype(SetUpCell("", std::nullopt)) setup_;
-  control::Gains own_;  // as in the cell's file
+  control::Gains own_;  // the gains of the cell's file
 };
 
 TEST_F(GainsPanelTest, AcceptsOnlyASofterCouplingAndMoreDragThanTheCells) {

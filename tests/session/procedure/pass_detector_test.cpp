@@ -94,7 +94,7 @@ TEST(PassDetector, ARestoredStateOfTheBoneIsNoCut) {
   frames.model.removed_volume_m3 = 0.0;  // an undo
   frames.Run(1, 0.0, 0);
   frames.passes.Restart();
-  frames.model.removed_volume_m3 = 1e-6;  // and a resume from a later state
+  frames.model.removed_volume_m3 = 1e-6;  // a resume from a later state
   frames.Run(300, 0.0, 0);
   EXPECT_EQ(frames.began, 1);
   EXPECT_EQ(frames.ended, 1);

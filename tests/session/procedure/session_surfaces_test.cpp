@@ -20,7 +20,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kTolerance = 0.08;  // of a pass's volume: the recording's grid is coarse
+constexpr double kTolerance = 0.08;  // share of a pass's volume: the recording's grid is coarse
 
 /// The surface as a console page has it: the newest chunk of every brick.
 class ShownSurface final : public surface::SurfaceSink {

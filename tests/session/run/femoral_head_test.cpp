@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kConfig = OSTEON_SOURCE_DIR "/config";
-constexpr int kSeeds = 10;  // of the hand's tremor, one for each duration of a frame
+constexpr int kSeeds = 10;  // seeds of the tremor, one for each frame duration
 
 // A tool's file under config/tools, and its diameter.
 struct Tool {

@@ -147,7 +147,7 @@ TEST_F(PlaybackTest, ASeekFillsTheHalfMinuteBeforeItWithoutPlaying) {
   Playback playback(std::move(*timeline), feed);
   for (const double at_s : {12.0, 38.0, 7.5, 0.2}) {
     playback.Seek(at_s);
-    const double from_s = std::max(0.0, at_s - 30.0);  // what a strip chart shows
+    const double from_s = std::max(0.0, at_s - 30.0);  // a strip chart shows 30 s
     ASSERT_TRUE(Eventually([&] { return Past(feed).Has(from_s, at_s); })) << at_s;
     const Past past(feed);
     double end_N = past.windows.front().force_N.least;

@@ -13,7 +13,7 @@ namespace {
 using EngineLaw = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineLaw);
 
-constexpr double kStiffness = 20e3;  // of the coupling [N/m]
+constexpr double kStiffness = 20e3;  // stiffness of the coupling [N/m]
 /// Overlap that the slide may leave, plus the depth to which a tool of 2 mm sinks into the lattice (0.5^2/8 /
 /// (2 + 0.75) mm).
 constexpr double kSurface_m = 0.02e-3 + 0.012e-3;

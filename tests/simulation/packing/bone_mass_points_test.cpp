@@ -78,8 +78,8 @@ TEST_F(MassPoints, SumUpToTheVolumeOfEachTissue) {
   EXPECT_NEAR(volume(kCortical), cortical, 0.01 * cortical);
 }
 
-// As in the demo: the crescent between the cup and a reamer of diameter 50 mm whose centre is 3 mm below the
-// cup's.
+// The swept volume of the demo: the crescent between the cup and a reamer of diameter 50 mm whose centre is 3
+// mm below the cup's.
 TEST_F(MassPoints, SumUpToTheVolumeThatAReamerSweeps) {
   const double reamer = 0.025, depth = 0.003;
   double exact = 0.0;  // integrated by slices across the axis
@@ -227,7 +227,7 @@ TEST(ThinMassPoints, SumUpToTheVolumeOfBoneThinnerThanTheirSpacing) {
 // faces, which explains the tolerance. If each volume were assigned to the nearest point, the error would be
 // 15 to 25 %.
 TEST(UniformMassPoints, SumUpToTheVolumeOfThinLayersBelowEveryFace) {
-  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the faces relative to the cells, in spacings
+  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // shift of the faces against the cells, in spacings
     const double half = 0.01, spacing = 0.5e-3, off = shift * spacing;
     const BoxSolid solid(Vector3::Constant(off - half), Vector3::Constant(off + half));
     const std::vector<MassPoint> points =

@@ -101,7 +101,7 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
   EXPECT_LE(worst_rad, 2e-5);
   EXPECT_NEAR(fitted.position_error_m, worst_m, 1e-12);
   EXPECT_NEAR(fitted.rotation_error_rad, worst_rad, 1e-8);
-  EXPECT_LT(fitted.samples.size(), 400u);  // of 3001
+  EXPECT_LT(fitted.samples.size(), 400u);  // the recording has 3001
 }
 
 // The tool stops abruptly at 0.5 s: samples must be dense there, and only there.

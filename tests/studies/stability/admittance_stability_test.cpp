@@ -23,8 +23,8 @@ struct Row {
   hil::GridHand hand;
   double m_v, b_v;  // virtual tool: mass [kg], drag [N s/m]
   hil::LoopWall wall;
-  double rho;        // of the shipped loop
-  double first_rho;  // of the model's first form; 0: not in the table
+  double rho;        // rho of the shipped loop
+  double first_rho;  // rho of the model's first form; 0: not in the table
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 

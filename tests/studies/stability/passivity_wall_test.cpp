@@ -28,8 +28,8 @@ hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
 
 /// Figures of a run at the wall.
 struct Ripple {
-  double rms_N{0.0};   ///< of the wall's force about its mean, in the run's second half
-  double peak_N{0.0};  ///< of the wall's force, over the whole run
+  double rms_N{0.0};   ///< RMS of the wall's force about its mean, in the run's second half
+  double peak_N{0.0};  ///< largest force of the wall, over the whole run
   int acted{0};        ///< ticks in which the controller acted
 };
 
