@@ -284,8 +284,7 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   const int out_ticks = static_cast<int>(GetParam().seconds * 1000);
   double V = 0.0;
   Vector6 last = Vector6::Zero();
-  double farthest = 0.0,
-         roughest = 0.0;  // largest reach [m], largest velocity change in a tick [m/s]
+  double farthest = 0.0, roughest = 0.0;  // largest reach [m], largest velocity change in a tick [m/s]
   int reversals = 0, back_after = -1;
   double last_a4 = 0.0;
   double reach_turn = 0.0;

@@ -214,7 +214,7 @@ TYPED_TEST(ForceCapabilityOf, ForceInALostDirectionIsCappedAndNamesNoJoint) {
   std::mt19937_64 random(19);
   ArmSample<N> d = DrawArmSample<N>(random);
   d.axis = Vector3::UnitX();
-  d.J.row(0).setZero();  // no joint moves the point along x
+  d.J.row(0).setZero();  // now no joint moves the point along x
   const ForceCapability<N> arm = CapabilityWithGravityHelp(d);
   EXPECT_EQ(arm.Force(d.axis).value, kForceCap_N);
   EXPECT_EQ(arm.Force(d.axis).joint, -1);

@@ -326,7 +326,7 @@ TEST(OrthoParallelArm, ReportsTheJointBeyondItsLimitAndByHowMuch) {
   for (int i = 0; i < 6; ++i) {
     OrthoParallelParams tight = Kr6R900Params();
     JointLimits& limit = tight.limits[static_cast<std::size_t>(i)];
-    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // no equivalent within the limits
+    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // then no equivalent angle is within the limits
     limit.upper_rad = q[i] - 0.05;
     const OrthoParallelArm arm(tight);
     const OrthoParallelSolution own =

@@ -46,8 +46,7 @@ DepthScene MakeBlockScene() {
   DepthScene scene;
   scene.name = "block";
   scene.solid = std::make_unique<BoxSolid>(Vector3(-10e-3, -10e-3, -20e-3), Vector3(10e-3, 10e-3, 0.0));
-  scene.zone = std::make_unique<PathZone>(std::vector<Vector3>{Vector3::Zero()},
-                                          9e-3);  // at the entry
+  scene.zone = std::make_unique<PathZone>(std::vector<Vector3>{Vector3::Zero()}, 9e-3);  // around the entry
   scene.tool = OneBall("ball of 5 mm", 5e-3);
   scene.corners_m = {{-3e-3, 0, 5.5e-3}, {-3e-3, 0, 0}, {3e-3, 0, 0}};
   return scene;

@@ -46,13 +46,13 @@ struct DepthMethod {
 /// A method's result in a scene, and the accuracy of its cut.
 struct DepthRow {
   std::string scene, method;
-  std::size_t balls{0};      ///< in the uncut packing
+  std::size_t balls{0};      ///< balls of the uncut packing
   std::size_t live{0};       ///< remaining balls after the cut
   std::size_t touching{0};   ///< remaining balls that touch the swept volume
   std::size_t blocks{0};     ///< most blocks of the pool in use at a time
   std::uint64_t refused{0};  ///< requests for a block when none was free (BallRemoval::refused)
   double overlap_m{0.0};     ///< deepest overlap of a remaining ball with the swept volume, exact
-  CutAccuracy accuracy{};    ///< with probes of the tool's radius, half of it, and 1 mm
+  CutAccuracy accuracy{};    ///< its probes have the tool's radius, half of this, and 1 mm
 };
 
 /// Carves a packing along the scene's path, in steps. Only the removal of an engine's frame runs. Fills the

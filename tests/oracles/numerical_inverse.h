@@ -20,9 +20,9 @@ struct NumericalInverseParams {
 /// Why the iteration ended.
 enum class InverseStop {
   kReached,
-  kHeldByLimits,   ///< no closer without a joint leaving its limits
-  kLocalMinimum,   ///< no closer from here: out of reach, or an elbow on the wrong side
-  kMaxIterations,  ///< still approaching
+  kHeldByLimits,   ///< a step that comes closer would take a joint out of its limits
+  kLocalMinimum,   ///< no step comes closer: the pose is out of reach, or the elbow is on the wrong side
+  kMaxIterations,  ///< the limit of iterations was reached while steps still came closer
   kNotFinite,      ///< the pose or the seed is not finite
 };
 

@@ -54,7 +54,7 @@ host::Pose Press(host::Session& session) {
 }
 
 TEST(HostSession, WrenchDependsOnVelocityAlikeInAllAxes) {
-  const host::Vector v{0.02, -0.01, -0.05}, w{0.3, -0.2, 0.5};  // in G
+  const host::Vector v{0.02, -0.01, -0.05}, w{0.3, -0.2, 0.5};  // expressed in G
   for (const host::Axes& axes : kAllAxes) {
     host::Session session(axes);
     ASSERT_OK(session.Open(BlockParams("acetabulum")));

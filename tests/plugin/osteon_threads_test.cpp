@@ -43,7 +43,7 @@ TEST(OsteonSessionThreads, CutWhileAHapticThreadEvaluatesTheWrench) {
   const auto session = MakeSession(bone.get(), tool.get(), Threaded(true));
   const OsteonPose free = Above(4.2);
   double largest_N = 0.0;
-  for (int i = 0; i < 5000 && FiguresOf(session.get()).frame == 0; ++i) {  // until the first frame
+  for (int i = 0; i < 5000 && FiguresOf(session.get()).frame == 0; ++i) {  // wait for the first frame
     ASSERT_OK(osteon_session_set_tool_pose(session.get(), &free, 100.0));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

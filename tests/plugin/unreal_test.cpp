@@ -239,7 +239,7 @@ TEST(UnrealSample, ReamsTheCup) {
   EXPECT_TRUE(sample.PrimaryActorTick.bCanEverTick);
   EXPECT_EQ(sample.Tool->AttachParent, sample.RootComponent);
   sample.Bone->ConfigFolder = ConfigFolder().c_str();
-  sample.Tick(0.01F);  // before play: nothing is open
+  sample.Tick(0.01F);  // play has not begun: no session is open
   sample.Bone->BeginPlay();
   ASSERT_TRUE(sample.Bone->IsOpen());
   LoggedTexts().clear();

@@ -100,7 +100,7 @@ TEST(SurgicalPlan, WarnsOfAnImplantThatIsTooTightOrTooLoose) {
 
 TEST(SurgicalPlan, WarnsOfAReamerThatLeavesThePlannedCavity) {
   SurgicalPlan plan = Plan();
-  plan.tools.front().height_m = -0.004;  // its apex 1 mm below the last one's
+  plan.tools.front().height_m = -0.004;  // its apex is 1 mm below the last tool's
   ASSERT_EQ(WarningsOf(plan).size(), 1u);
   EXPECT_NE(WarningsOf(plan)[0].find("1 mm deeper"), std::string::npos) << WarningsOf(plan)[0];
 }

@@ -152,7 +152,7 @@ class ControllerAndArm {
         command.tau.emplace()[which] = op.value;
         tau.assign(command.tau->begin(), command.tau->end());
         break;
-      case 6:  // no joint positions
+      case 6:  // the command has no joint positions
         command.q.reset();
         break;
       case 7:  // answers an earlier message
@@ -252,12 +252,12 @@ class ControllerAndArm {
   std::uint32_t arm_sequence_{0}, sequence_{0};
   JointArray q_{GuardBench::StartJoints()}, drift_{};
   JointArray commanded_{GuardBench::StartJoints()};
-  int periods_{0};  // since the command to the arm last changed
+  int periods_{0};  // periods since the arm last got a new command
   double max_step_m_{0.0};
   struct EnteredZone {
     bool commanded{false}, actual{false};
   };
-  std::vector<EnteredZone> entered_;  // one for each zone
+  std::vector<EnteredZone> entered_;  // one entry for each zone
 };
 
 // Runs random operations; fails with the first violation.

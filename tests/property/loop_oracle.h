@@ -35,7 +35,7 @@ struct CaseLimits {
   Vector3 sphere_m{Vector3::Zero()};         ///< centre of the sphere that bounds the tool's apex
   double radius_m{1.0}, floor_m{-1.0};       ///< the sphere's radius; lowest z of the apex
   double flange_floor_m{-10.0};              ///< lowest z of the flange's centre
-  std::optional<safety::ZoneParams> zone{};  ///< one more bound, for apex, flange or elbow
+  std::optional<safety::ZoneParams> zone{};  ///< a zone as an additional bound for apex, flange or elbow
   double force_N{200.0}, torque_Nm{20.0};
   const kinematics::ChainParams<7>* body{nullptr};  ///< the arm with its masses; null: no torques are checked
   double spindle_rad_per_s{0.0};

@@ -17,7 +17,7 @@ inline constexpr int kMaxTicks = 50;  ///< length of a case: 50 ms at 1 kHz
 /// One operation on a cell, in one tick.
 struct Op {
   int what{0};   ///< number of the operation; 0 does nothing: failing cases shrink toward it
-  int which{0};  ///< its target, 0 … 6: for example one of seven joints
+  int which{0};  ///< target of the operation, 0 … 6: for example one of seven joints
   double value{0.0};
 };
 inline void showValue(const Op& op, std::ostream& out) {

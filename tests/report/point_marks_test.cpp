@@ -47,7 +47,7 @@ LineChart Points() {
 
 TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   const std::string svg = Svg(Points());
-  EXPECT_EQ(CountOccurrences(svg, "<circle"), 2u + 1u);  // one more in the legend
+  EXPECT_EQ(CountOccurrences(svg, "<circle"), 2u + 1u);  // two points in the drawing, one in the legend
   EXPECT_EQ(CountOccurrences(svg, "first"), 1u);
   EXPECT_EQ(CountOccurrences(svg, "second"), 1u);
   EXPECT_EQ(CountOccurrences(svg, "beyond"), 0u);
@@ -107,7 +107,7 @@ TEST(Rasterise, FillsARectangleWithItsColourAtTwiceTheSize) {
     return std::array{image->rgb[at], image->rgb[at + 1], image->rgb[at + 2]};
   };
   EXPECT_EQ(pixel(30, 10), (std::array<std::uint8_t, 3>{0xff, 0x80, 0x00}));
-  EXPECT_EQ(pixel(5, 10), (std::array<std::uint8_t, 3>{0xff, 0xff, 0xff}));  // on white
+  EXPECT_EQ(pixel(5, 10), (std::array<std::uint8_t, 3>{0xff, 0xff, 0xff}));  // the background is white
 }
 
 TEST(Rasterise, RefusesTextThatIsNoSvgAndPicturesThatAreTooLarge) {

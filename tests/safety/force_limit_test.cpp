@@ -89,7 +89,7 @@ TEST(ForceLimitReaction, KeepsTheToolWithinItsZoneBeyondTheForceLimit) {
   Vector3 v = Vector3::Zero();
   for (int i = 0; i < 3000; ++i) {
     reaction.Step(At(depth_m, depth_m > 0.004 ? 0.004 / depth_m : 1.0));
-    Vector3 wanted(0.02, 0.0, -0.05);  // along the face, and into bone
+    Vector3 wanted(0.02, 0.0, -0.05);  // x: along the face; -z: into bone
     const bool limited = reaction.Limit(v, wanted);
     EXPECT_EQ(limited, wanted.z() != -0.05);
     EXPECT_EQ(wanted.x(), 0.02) << "nothing is taken along the face";

@@ -203,7 +203,7 @@ TEST(FriLink, WarmUpChangesNoAnswerAndSendsNothing) {
   const auto link = OpenOnAnyPort(), plain = OpenOnAnyPort();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
-  link->WarmUp(ArmCommand{});  // before any message
+  link->WarmUp(ArmCommand{});  // before the arm's first message
   for (std::uint32_t i = 1; i <= 50; ++i) {
     const auto session = i < 5 ? fri::COMMANDING_WAIT : fri::COMMANDING_ACTIVE;
     arm.Send(i, session);

@@ -180,8 +180,7 @@ class TreeMutator {
     if (node.type == 1) node.bytes = Noise(8);
     if (node.type == 2) node.bytes = Noise(Below(20));
     if (node.type == 5) node.bytes = Noise(4);
-    if (node.type == 3) PutVarint(std::uint64_t{node.number} << 3 | 4,
-                                  node.bytes);  // empty group
+    if (node.type == 3) PutVarint(std::uint64_t{node.number} << 3 | 4, node.bytes);  // empty group
     nodes.insert(nodes.begin() + static_cast<std::ptrdiff_t>(Below(nodes.size() + 1)), node);
   }
 

@@ -115,8 +115,7 @@ TEST_F(LocalServerTest, OnlyRootAndTheFoldersGroupMayAsk) {
     ASSERT_EQ(::chmod(sockets().c_str(), open ? 0750 : 0700), 0);
     const auto server = LocalServer::Start("run-11", Echo);
     ASSERT_TRUE(server) << server.error();
-    ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup),
-              0);  // as a service of this group does
+    ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup), 0);  // as a service of this group does
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kGroup}), open ? 1 : 0) << "a member";
     EXPECT_EQ(AnswersFor(kSomebody, kGroup, {}), open ? 1 : 0) << "whose own group it is";
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kOther}), 0) << "another user";

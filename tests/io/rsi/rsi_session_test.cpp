@@ -138,10 +138,9 @@ TEST_F(RsiSessionTest, RelativeSumCountsCyclesWithoutAnAnswer) {
     std::uint64_t ipoc = Settle(1000, 1);
     AcceptNext(ipoc);
     EXPECT_NEAR(Answer(11.0), 1.0, 1e-9);
-    AcceptNext(ipoc += 4);  // in time
+    AcceptNext(ipoc += 4);  // RSI got the 1.0 in time
     EXPECT_NEAR(Answer(13.0), 2.0, 1e-9);
-    AcceptNext(ipoc += 4,
-               1);  // the 2.0 was late: RSI dropped it, and with HOLDON applied 1.0 again
+    AcceptNext(ipoc += 4, 1);  // RSI drops the late 2.0; with HOLDON it repeats the 1.0
     EXPECT_NEAR(Answer(13.0), hold_on ? 1.0 : 2.0, 1e-9);
     AcceptNext(ipoc += 12, 3);  // the last answer arrived in time; then the messages of two cycles were lost
     EXPECT_NEAR(Answer(13.0), hold_on ? -2.0 : 0.0, 1e-9);

@@ -118,7 +118,7 @@ TEST_F(RecordedReport, AcceptsFramesThatWereWrittenBeforeTheirTicks) {
            recording->frames[frame].model.pose_stamp <= recording->ticks[end - 1].stamp;
          ++frame)
       (*recorder)->PushFrame(recording->frames[frame]);
-    (*recorder)->Drain();  // these frames, then their ticks
+    (*recorder)->Drain();  // writes these frames before their ticks
     for (std::size_t i = begin; i < end; ++i) (*recorder)->Push(recording->ticks[i]);
     (*recorder)->Drain();
   }

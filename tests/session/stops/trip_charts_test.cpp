@@ -53,7 +53,7 @@ TripLimits Limits() {
 // A fault, and what its chart must show.
 struct Case {
   Fault fault;
-  const char* quantity;                     ///< in a panel's title
+  const char* quantity;                     ///< text in a panel's title
   const char* limit;                        ///< text at the limit's line
   std::function<void(TickRecord&)> change;  ///< changes the quantity in a tick
 };

@@ -168,7 +168,7 @@ TEST(WriteText, WritesToTheTargetOfALink) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
-  ASSERT_TRUE(base::WriteText(link, "first"));  // its target does not exist yet
+  ASSERT_TRUE(base::WriteText(link, "first"));  // the link's target does not exist yet
   ASSERT_TRUE(base::WriteText(link, "second"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(ReadAll(file), "second");

@@ -141,7 +141,7 @@ TEST(SceneEvents, WallOfASlotIsTheBoneLeftToTheSide) {
     const auto through = burr.At({0.0043, 0, -0.003});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].name, "breakthrough");
-    EXPECT_NEAR(through[0].value, 0.003 - kBurrRadius_m, 1e-7);  // below the site, at the head's middle
+    EXPECT_NEAR(through[0].value, 0.003 - kBurrRadius_m, 1e-7);  // depth of the head's middle below the site
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
     EXPECT_TRUE(burr.At({0.0045, 0, -0.003}).empty());
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
@@ -168,9 +168,9 @@ TEST(SceneEvents, FaceWithTheOpeningIsNoWall) {
   params.regions.clear();
   Burr burr(params);
   burr.At({0, 0, -0.0022});
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // to the sides along y; 0.2 mm below the top
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // to the sides along y; apex 0.2 mm deep
   burr.At({0, 0, -0.0089});
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // distance to the floor at -10 mm
 }
 
 // The fissures and steep inner slopes of the cusps around a molar's site are no walls. The crown's sides are

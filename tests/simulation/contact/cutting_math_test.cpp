@@ -230,7 +230,7 @@ TEST(ShrinkBall, KeepsTheBallInsideItsOldVolumeAndOutsideTheSweep) {
       ++shrunk;
       ASSERT_NEAR((after.c - c).norm(), r - after.r, 1e-12);  // hence inside the old ball
       ASSERT_NEAR(after.r, r - 0.5 * p, 1e-15);
-      ASSERT_GE(DistanceToSegment(after.c, a, b) - after.r - r_t, -1e-14);  // no overlap is left
+      ASSERT_GE(DistanceToSegment(after.c, a, b) - after.r - r_t, -1e-14);  // no overlap remains
     }
   }
   EXPECT_GT(shrunk, 5000);

@@ -79,7 +79,7 @@ TEST(EdgeForce, TheAdvanceGrowsContinuouslyAndNeverExceedsThatWithoutEdgeForce) 
   edge.params.max_slide_m = 1.0;
   for (const double energy_lead_J : {0.0, 1e-3}) {
     double before_m = 0.0;
-    for (int i = 1; i <= 2500; ++i) {  // beyond the largest force of 200 N
+    for (int i = 1; i <= 2500; ++i) {  // 2500 steps go beyond the force limit of 200 N
       const EdgeCut cut = edge.Pressed(0.1 * i);
       const double advance_m = cut.Advance(1e-3, kSpindle, energy_lead_J).advance_m;
       ASSERT_GE(advance_m, before_m) << i;

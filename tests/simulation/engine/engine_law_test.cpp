@@ -52,7 +52,7 @@ TEST_P(EngineLaw, ADrillMovesFreelyAlongItsOwnHole) {
   for (int i = 0; i <= 100; ++i) engine->Step(At(Down({0, 0, -0.04e-3 * i}), kSpindle_rad_per_s));
   double max_N = 0.0, lag_m = 0.0;
   for (int i = 0; i <= 200; ++i) {
-    const double z = -4e-3 + 3e-3 * std::abs(std::sin(M_PI * i / 200.0));  // out by 3 mm, and in again
+    const double z = -4e-3 + 3e-3 * std::abs(std::sin(M_PI * i / 200.0));  // moves out by 3 mm and in again
     const ContactModel model = engine->Step(At(Down({0, 0, z})));
     max_N = std::max(max_N, std::abs(model.F_T_W.f.z));
     lag_m = std::max(lag_m, std::abs(Vector3(model.X_WP.p).z() - z));

@@ -146,8 +146,8 @@ TEST(ComputeAdvance, WithTheImmediateLawIsTheWholePenetration) {
 
 TEST(ComputeAdvance, DoesNotGrowBeyondTheLargestForce) {
   Cut cut;
-  cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the law is linear
-  cut.solution.cutting_m = 10e-3;                            // at the limit of 200 N
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the advance is linear in time
+  cut.solution.cutting_m = 10e-3;                            // pressed to the force limit of 200 N
   const double at_limit = cut.Advance(1e-3).advance_m;
   cut.solution.cutting_m = 20e-3;
   EXPECT_NEAR(cut.Advance(1e-3).advance_m, at_limit, 1e-6 * at_limit);

@@ -85,7 +85,7 @@ TEST_F(Packing, FollowsTheCupsSurfaceWithinHundredthsOfAMillimetre) {
               gap.max_mm, balls_.size());
   EXPECT_LE(gap.mean_mm, 0.017);
   EXPECT_LE(gap.p95_mm, 0.042);
-  EXPECT_LE(gap.max_mm, 0.30);  // at the rim, a sharp edge that balls cannot fill
+  EXPECT_LE(gap.max_mm, 0.30);  // the largest gap is at the rim, a sharp edge that balls cannot fill
 }
 
 TEST_F(Packing, FollowsTheRimWhereAReamerTouchesFirst) {

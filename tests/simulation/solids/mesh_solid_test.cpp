@@ -182,7 +182,7 @@ TEST(MeshSolid, CupInABlockHasLayersAndTheOtherFacesACorticalShell) {
   EXPECT_EQ(solid.MaterialAt(0.0215 * down), kCartilage);
   EXPECT_EQ(solid.MaterialAt(0.0225 * down), kCortical);
   EXPECT_EQ(solid.MaterialAt(0.0235 * down), kCancellous);
-  EXPECT_EQ(solid.MaterialAt(-0.0210 * down), kCortical);  // above the opening
+  EXPECT_EQ(solid.MaterialAt(-0.0210 * down), kCortical);  // beyond the cup's opening
   EXPECT_EQ(solid.MaterialAt(-0.0220 * down), kCancellous);
   EXPECT_EQ(solid.MaterialAt({0.01, 0.01, -0.039}), kCortical);  // the outer face
   EXPECT_EQ(solid.MaterialAt({0.01, 0.01, -0.038}), kCancellous);

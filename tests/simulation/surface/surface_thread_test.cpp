@@ -78,7 +78,7 @@ TEST(SurfaceThread, PushNeitherAllocatesNorLocks) {
   SurfaceThread thread(kBall, Pose::Identity(),
                        {.ring_frames = 64, .make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
   rt::CheckedNoAllocScope scope;
-  for (std::uint64_t i = 1; i <= 200; ++i) (void)thread.Push(FrameNumber(i));  // beyond what the ring holds
+  for (std::uint64_t i = 1; i <= 200; ++i) (void)thread.Push(FrameNumber(i));  // more than the ring can hold
   scope.End();
 }
 

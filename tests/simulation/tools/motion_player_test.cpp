@@ -95,7 +95,7 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
     worst_m = std::max(worst_m, (curve.X_GT(s.time_s).translation() - s.p_GT_m).norm());
     worst_rad =
         std::max(worst_rad, s.R_GT.angularDistance(Eigen::Quaterniond(curve.X_GT(s.time_s).linear())));
-    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // to the rounding of the stored rpm
+    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // the stored rpm is rounded
   }
   EXPECT_LE(worst_m, 2e-6);
   EXPECT_LE(worst_rad, 2e-5);

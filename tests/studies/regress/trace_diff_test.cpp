@@ -54,7 +54,7 @@ TEST(TraceDifference, NamesFirstTheQuantityThatLeftItsToleranceFirst) {
   now.digests[3][static_cast<std::size_t>(TracePart::kArm)] ^= 4u;
   now.samples[1].values[force] += 0.02;    // tick 20, beyond 0.01 N
   now.samples[2].values[force] -= 0.5;     // tick 30
-  now.samples[2].values[place] += 0.004;   // beyond 0.001 mm, later
+  now.samples[2].values[place] += 0.004;   // tick 30, beyond 0.001 mm
   now.samples[0].values[small] += 0.0005;  // within
   const TraceDifference difference = Compare(SampleTrace(), now, kTolerances);
   EXPECT_FALSE(difference.passed);

@@ -117,7 +117,7 @@ TEST(HandleBench, AFitGivesBackMassAndDrag) {
   std::vector<HandlePoint> points;
   for (const double hz : {0.1, 0.3, 1.0, 3.0, 20.0})
     points.push_back({.frequency_hz = hz, .impedance = {17.0, 2.0 * std::numbers::pi * hz * 4.0}});
-  points.back().impedance = 1e6;  // beyond max_hz
+  points.back().impedance = 1e6;  // this point is beyond max_hz, so the fit must ignore it
   const HandleFit fit = FitMassAndDrag(points, 5.0);
   EXPECT_NEAR(fit.mass, 4.0, 1e-12);
   EXPECT_NEAR(fit.drag, 17.0, 1e-12);

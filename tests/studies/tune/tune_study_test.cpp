@@ -98,7 +98,7 @@ TEST(TuneStudy, TheVibrationIndexCalmsHandsThatAreTooStiffForTheGains) {
     EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
     EXPECT_LT(c.run.half_s_N, 1.2 * c.calm_N) << c.hand.name;
   }
-  TuneTask still = task;  // no tremor is accepted
+  TuneTask still = task;  // with this task no tremor is accepted
   still.vibration.reference = {};
   for (const TuneCarried& c : CarryStiffHands(still, gains)) {
     EXPECT_EQ(c.calm_N, 0.5);
