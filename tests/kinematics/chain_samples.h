@@ -10,7 +10,8 @@
 
 namespace osteon::kinematics {
 
-/// LBR iiwa 14 R820 as in lbr_description: joint origins off the axes, axes along z, y, z, -y, z, y, z.
+/// LBR iiwa 14 R820 as in lbr_description: joint origins that are not all on the arm's centre line, axes
+/// along z, y, z, -y, z, y, z.
 [[nodiscard]] ChainParams<7> Iiwa14Chain();
 
 /// KR 6 R900-2 from the joint origins of kuka_experimental's kr6r900sixx description. No masses.

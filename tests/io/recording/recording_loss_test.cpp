@@ -137,8 +137,7 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// After three ticks nothing more is pushed: the writer's thread must write the ticks to the file without a
-// further push.
+// Only three ticks are pushed. The writer's thread must write them to the file without a further push.
 TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());

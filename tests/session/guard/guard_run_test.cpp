@@ -89,8 +89,8 @@ TEST(GuardRun, ATorqueOverlayPasses) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// Compliance moves the tool's head or the bone. The guard computes a rigid tool, to which compliance makes no
-// difference.
+// Compliance moves the tool's head or the bone. The guard computes the poses of a rigid tool, so compliance
+// must not make it stop the arm.
 TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
     SCOPED_TRACE(name);

@@ -68,8 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
 // The fine cells reach half a spacing deeper than the cut. If they did not, a row of cells beside the hole
-// would be fine at the spacing 0.55 mm and coarse at 0.565 mm, or the reverse, and the error would be 1.37
-// times the predicted error.
+// would change from fine to coarse between the two spacings of this test, and the error would be 1.37 times
+// the predicted error.
 TEST(PlanLevel, TheErrorStaysNearThePredictedOneAtTwoNeighbouringSpacings) {
   const auto scene =
       LoadPlanScene({.scene = "sawbone_block", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});

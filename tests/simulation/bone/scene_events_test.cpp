@@ -168,7 +168,7 @@ TEST(SceneEvents, FaceWithTheOpeningIsNoWall) {
   params.regions.clear();
   Burr burr(params);
   burr.At({0, 0, -0.0022});
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // to the sides along y; apex 0.2 mm deep
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // the sides along y, not the top face 0.2 mm away
   burr.At({0, 0, -0.0089});
   EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // distance to the floor at -10 mm
 }

@@ -86,7 +86,8 @@ TEST(SplitShapes, ExposedBallsHaveOutwardPolesAndBuriedBallsHaveNone) {
       ++buried;
     }
     if (c.z() < -balls[i].radius_m - 1e-9 || sides < 2e-3) continue;
-    // this ball touches the top face away from the edges: its smallest child must lie at its top
+    // this ball touches the top face away from the edges: its shape must have a pole, and the pole must point
+    // up
     ASSERT_GE(shapes[i], SplitTemplate::kRotations) << i;
     EXPECT_GT(table.child(shapes[i], 0).x.normalized().z(), std::cos(20.0 * M_PI / 180.0)) << i;
     ++top;

@@ -76,7 +76,7 @@ TEST(ToolCompliance, AConeHasTheComplianceOfItsIntegral) {
   EXPECT_NEAR(CantileverCompliance(cone, {}).C_T(0, 0) / exact, 1.0, 1e-4);
 }
 
-// Lateral stiffnesses from the tables in docs/theory/compliance.md, and some of their prototype, within 1 %.
+// Stiffnesses as in the tables of docs/theory/compliance.md, within 1 %.
 TEST(ToolCompliance, TheShippedToolsHaveTheDesignsStiffness) {
   const ToolCompliance drill = Drill(3.2, 36, 65);
   EXPECT_NEAR(drill.lateral_N_per_m, 8720.0, 87.2);
