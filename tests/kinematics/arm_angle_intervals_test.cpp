@@ -43,9 +43,9 @@ double DistanceToLimits(const LbrParams& params, const JointVector& q) {
   return smallest;
 }
 
-// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each: an angle
-// is in an interval exactly if the posture is valid. Angles within 1e-8 of an end are left out: rounding
-// decides there.
+// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each. An angle
+// must be in an interval exactly if the posture at this angle is valid. The test skips angles within 1e-8 of
+// an interval's end, because there the result depends on rounding.
 TEST(ArmAngleIntervals, AgreeWithDenseSampling) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 7);

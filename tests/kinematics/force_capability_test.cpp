@@ -301,8 +301,9 @@ class Iiwa14Force : public ::testing::Test {
   std::mt19937_64 random_{23};
 };
 
-// A6 turns about an axis across the tool, (0.126 + L) m from the tool's apex: its 40 N·m hold 177, 123, 94 N.
-// Every other joint holds more, in any posture. The arm is weightless: masses beyond A6 would take torque.
+// A6's axis is perpendicular to the tool, (0.126 + L) m from the apex of a tool of length L. Its 40 N·m
+// therefore hold 177, 123 and 94 N at L = 0.1, 0.2 and 0.3 m. Every other joint holds more, in any posture.
+// The arm is weightless: masses beyond A6 would take torque.
 TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
   const SerialChain<7> weightless(body_, Vector3::Zero());
   for (const double length_m : {0.10, 0.20, 0.30})

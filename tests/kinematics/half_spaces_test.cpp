@@ -135,7 +135,8 @@ TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   }
 }
 
-// x >= 3 mm and x <= 1 mm: the point is in the middle, 1 mm outside each; y still satisfies its plane.
+// The planes require x >= 3 mm and x <= 1 mm. The point must be in the middle, 1 mm outside each of them, and
+// must still satisfy the plane of y.
 TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
   Planes planes;
   planes[0] = {Vector3::UnitX(), 3e-3};

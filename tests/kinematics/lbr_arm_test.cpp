@@ -123,7 +123,8 @@ TEST_F(LbrArmTest, JacobianIsTheDerivativeOfThePose) {
   }
 }
 
-// 1e-10: an elbow bent by 0.05 rad amplifies the rounding of the reach 20 times, as does the wrist.
+// The tolerance is 1e-10, because an elbow bent by 0.05 rad amplifies the rounding of the reach 20 times, and
+// the wrist does the same.
 TEST_F(LbrArmTest, InverseUndoesForward) {
   for (int n = 0; n < kPostures; ++n) {
     const JointVector q = RegularPosture();
@@ -186,8 +187,8 @@ TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWithTheElbowHanging) {
   EXPECT_EQ(arm_.ArmAngle(JointVector::Zero()), 0.0);
 }
 
-// The elbow moves on a circle: a change of the arm angle turns shoulder-to-elbow about shoulder-to-wrist by
-// the difference.
+// The elbow moves on a circle. A change of the arm angle must turn the line from shoulder to elbow about the
+// line from shoulder to wrist by the same angle.
 TEST_F(LbrArmTest, ArmAngleTurnsTheElbowRightHandedAboutTheShoulderWristLine) {
   const LbrParams& params = arm_.params();
   // Shoulder to elbow, in B [m].

@@ -81,7 +81,8 @@ TEST(LbrSolutions, AllEightHaveTheRequestedArmAngle) {
     const double psi = kPi * postures.Unit();
     const LbrSolutions solutions = arm.Solve(arm.FlangePose(q), psi);
     for (const LbrSolution& solution : solutions.configuration)
-      // 1e-8: with the wrist 1e-6 beside the vertical through the shoulder, the reference loses six digits
+      // 1e-8: if the wrist is 1e-6 beside the vertical through the shoulder, the arm angle's reference loses
+      // six digits
       EXPECT_LT(std::abs(std::remainder(arm.ArmAngle(solution.q) - psi, 2.0 * kPi)), 1e-8);
   }
 }

@@ -62,8 +62,8 @@ struct DepthRow {
                                            const DepthMethod& method, DepthRow& row);
 
 /// Carves a packing and measures the result.
-/// @param step_m  distance of the path's poses
-/// @param params  for the accuracy; the radii of its probes are set by the scene's tool
+/// @param step_m  distance between the path's poses
+/// @param params  of MeasureCut; the scene's tool sets the radii of its probes
 [[nodiscard]] DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double step_m,
                                     const AccuracyParams& params);
 

@@ -160,7 +160,8 @@ TEST(OsteonLibrary, RefusesSitesAndCountsBeyondAnyBone) {
   EXPECT_EQ(info.site_axis[0], 1.0) << "a unit vector, whatever the length";
 }
 
-// No grid of bricks holds balls that are metres apart: the session has no surface, and the error says why.
+// Balls that are metres apart do not fit into a grid of bricks. The session then has no surface, and the
+// error must state the reason.
 TEST(OsteonSession, SaysWhyItHasNoSurface) {
   const std::array<float, 8> balls{-1e4F, -1e4F, -1e4F, 2.0F, 1e4F, 1e4F, 1e4F, 2.0F};
   auto params = Params<OsteonBoneParams>();

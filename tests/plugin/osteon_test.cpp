@@ -275,7 +275,8 @@ TEST(OsteonSession, WrenchNeverExceedsItsLimit) {
   EXPECT_EQ(osteon_session_step(session.get(), &nowhere, 0.0, 0.001), OSTEON_ERROR_ARGUMENT);
 }
 
-/// Bits of all triangles' corner positions, by brick: `kept`, updated by the changes since `generation`.
+/// Returns the bits of all triangles' corner positions for each brick: those in `kept`, updated by the
+/// changes since `generation`.
 std::map<std::uint32_t, std::vector<std::uint32_t>> UpdatedSurface(
     OsteonSession* session, std::uint64_t& generation,
     std::map<std::uint32_t, std::vector<std::uint32_t>> kept) {

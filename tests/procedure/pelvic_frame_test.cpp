@@ -53,7 +53,8 @@ TEST(PelvicFrame, LandmarksThatDefineNoPlaneAreRefused) {
   EXPECT_THROW(static_cast<void>(FrameOf(flat, Side::kLeft)), std::invalid_argument);
 }
 
-// A plan for the left hip, used at the right one, is wrong by this angle: the axes are mirror images.
+// If a plan for the left hip is used for the right hip, the axis is wrong by this angle, because the two axes
+// are mirror images.
 TEST(PelvicFrame, TheSameAnglesOnTheOtherSideAreAnotherAxis) {
   const Vector3 right = FrameOf(Patient(), Side::kRight).ToG(Axis40_15()),
                 left = FrameOf(Patient(), Side::kLeft).ToG(Axis40_15());

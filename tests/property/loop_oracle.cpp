@@ -14,8 +14,9 @@ using control::JointArray;
 using control::Phase;
 
 constexpr double kReduced_m_per_s = 0.25;  // speed limit in the mode T1, ISO 10218-1
-// A straight step of the tool and the corresponding joint step differ in second order: 0.25 mm and 1.5 mrad
-// at a reach of 1.2 m make 1 %, and more if the arm is nearly stretched. Beyond 10 % the loop stops.
+// A straight step of the tool and the corresponding joint step differ in second order. A step of 0.25 mm and
+// 1.5 mrad at a reach of 1.2 m differs by 1 %, and by more if the arm is nearly stretched. Beyond 10 % the
+// loop stops.
 constexpr double kCurvatureFactor = 1.1;
 constexpr double kRounding = 1.0 + 1e-9;
 // A tick's path is known to second order; the third order, at 1 rad/s of every joint, is some nanometres.

@@ -254,7 +254,8 @@ TEST(Section, ADeepHoleShowsItsFloor) {
   EXPECT_NE(SectionDetailSvg(section, run.bone).find("Detail at the deepest place"), std::string::npos);
 }
 
-// After the cut the tool moved on, out of the bone: the detail shows the cut, not the tool's last place.
+// After the cut the tool moved out of the bone. The detail must show the place of the cut, not the tool's
+// last place.
 TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   SyntheticRun run = SphereCavity(0.006, 0.006);
   std::vector<Pose> path(2, Pose::Identity());

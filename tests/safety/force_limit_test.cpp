@@ -75,7 +75,8 @@ TEST(StoredEnergyLimit, DoesNotScaleWithoutABoundNorOutOfBone) {
   EXPECT_EQ(tight.Step(0.0, 0.0), 1.0) << "out of bone nothing has slipped";
 }
 
-// A tool at a depth in bone, with the share of the coupling's force that is rendered; the cut face advances.
+// The input for a tool at a depth in bone: `share` of the coupling's force is rendered, and the cut face
+// advances at advance_m_per_s.
 ForceLimitInput At(double depth_m, double share, double advance_m_per_s = 0.0) {
   return {.displacement_W = Vector3(0.0, 0.0, depth_m),
           .rendered_scale = share,

@@ -17,7 +17,7 @@
 
 namespace osteon::io::test {
 
-/// A message, or a message inside it, as libprotobuf holds it. A null pointer stands for an absent message,
+/// A message or an embedded message, as libprotobuf stores it. A null pointer stands for an absent message,
 /// which has no fields.
 class WirePart {
  public:

@@ -8,7 +8,8 @@
 #include <vector>
 
 // A protobuf message as a tree, read without a schema, so that a test can change it anywhere and write it
-// back with correct lengths: changes to the bytes alone hardly ever get past the first length.
+// back with correct lengths. If only bytes were changed, the parser would nearly always stop at the first
+// wrong length.
 
 namespace osteon::io::test {
 

@@ -217,8 +217,8 @@ TEST_F(RecordingLoss, AFileThatWasRemovedIsReportedWhileItIsRecorded) {
   EXPECT_NE(error.find("removed or replaced"), std::string::npos) << error;
 }
 
-// A chunk spans at most a quarter of a second of log time, so with a tick every 100 ms at most three are
-// missing in the file.
+// A chunk spans at most a quarter of a second of log time, so with a tick every 100 ms the file lacks at most
+// the last three ticks.
 TEST_F(RecordingLoss, SlowMessagesReachTheFileWithoutAFullChunk) {
   auto recorder = Recorder::Open({.path = path_, .writer_thread = false}, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();

@@ -60,8 +60,8 @@ TEST_F(GainsPanelTest, UndoRestoresThePreviousValuesOneByOne) {
   EXPECT_FALSE(nlohmann::json::parse(panel.Json())["can_undo"].get<bool>());
 }
 
-// The coupling is stable for D > a K (drag D, age a of the contact model, stiffness K): twice the drag allows
-// twice the age.
+// The coupling is stable if D > a K, with the drag D, the contact model's age a and the stiffness K. Twice
+// the drag must therefore permit twice the age.
 TEST_F(GainsPanelTest, TheLargestStableAgeGrowsWithTheDrag) {
   GainsPanel panel(setup_->config);
   const double before = nlohmann::json::parse(panel.Json())["stable_age_ms"];

@@ -6,7 +6,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/run/virtual_run.h"
 
-// A cell whose network loses packets, in virtual time. The arm has its default policy: it ends
+// A cell whose network loses packets, in virtual time. The simulated arm has its default policy: it leaves
 // COMMANDING_ACTIVE after 5 lost answers in a row or 25 in a second.
 
 namespace osteon::session {

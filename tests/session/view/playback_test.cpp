@@ -184,7 +184,8 @@ TEST_F(PlaybackTest, TheHistoryBeforeATimeDoesNotDependOnEarlierSeeks) {
   EXPECT_EQ(shown({33.0}), shown({39.0, 1.0, 33.1, 33.0}));
 }
 
-// The first chunk after 5 s is damaged: a seek to 12 s loses only older history; playing from 5 s fails.
+// The first chunk after 5 s is damaged. A seek to 12 s must lose only older history; playing from 5 s must
+// fail.
 TEST_F(PlaybackTest, ADamagedChunkBeforeASeekCostsOnlyHistory) {
   const auto damaged = folder_->path() / "damaged.mcap";
   std::filesystem::copy_file(File(), damaged, std::filesystem::copy_options::overwrite_existing);

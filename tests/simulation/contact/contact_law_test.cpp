@@ -39,7 +39,8 @@ TEST(FindBin, DividesTheSphereIntoBinsOfSimilarSize) {
     ASSERT_LT(shaft.off_centre, 1.0 - std::cos(55.0 * M_PI / 180.0));
   }
   for (std::size_t b = 0; b < kCuttingBins; ++b) {
-    // 1000 on average; the bin in the middle of a cube's face covers 1.72 times that, a corner's bin half
+    // A bin gets 1000 directions on average. The bin in the middle of a cube's face covers 1.72 times the
+    // mean solid angle, a corner's bin half of it
     EXPECT_GT(count[b], 500) << b;
     EXPECT_LT(count[b], 1950) << b;  // five standard deviations above
   }
@@ -255,7 +256,7 @@ TEST(FillContacts, ContactPointIsTheBallsFootAlongTheContactsNormal) {
   EXPECT_LT((solution.contacts[0].p_T_m - foot).norm(), 1e-12);
 }
 
-// The tool moves along -x and -z, so the planes of balls 1 and 2 hold it, and the plane of ball 0 does not.
+// The tool moves along -x and -z, so the planes of balls 1 and 2 stop it, and the plane of ball 0 does not.
 TEST(FillContacts, RemembersTheHoldingPairsAndTheFacesNormals) {
   Scene scene;
   scene.input.motion_G_m = Vector3(-1e-3, 0, -2e-3);

@@ -87,7 +87,8 @@ TEST(FirstContact, IsNoneWithoutMotionWhetherTheBallsOverlapOrNot) {
 }
 
 TEST(FirstContact, GrazingBallsTouchJustBeforeTheirClosestApproach) {
-  // passing the centre at a distance p: contact at sqrt(R^2 - p^2) before the closest approach, none if p > R
+  // a ball that passes the centre at a distance p makes contact sqrt(R^2 - p^2) before the closest approach;
+  // no contact if p > R
   const double R = 10e-3, way = 20e-3;
   for (const double inside : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const double p = R - inside;

@@ -73,7 +73,8 @@ TEST(EdgeForce, TwoHalfStepsEqualOneStep) {
   }
 }
 
-// The advance never falls with the force, does not jump, and is at most the advance without an edge force.
+// As the force grows, the advance must never fall or jump. It must be at most the advance without an edge
+// force.
 TEST(EdgeForce, TheAdvanceGrowsContinuouslyAndNeverExceedsThatWithoutEdgeForce) {
   EdgeCut edge;
   edge.params.max_slide_m = 1.0;

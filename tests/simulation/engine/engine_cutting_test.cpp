@@ -251,7 +251,7 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
       const Vector3 next(0.5e-3 * std::sin(phase), 0.3e-3 * std::sin(2 * phase),
                          -0.5e-3 + 1.0e-3 * std::cos(phase));
       const ContactModel model = engine->Step(At(Down(next), cutting ? kSpindle_rad_per_s : 0.0));
-      // work of the hand on the bone (trapezoidal rule); F_T_W is the force on the hand, so its sign changes
+      // work of the hand on the bone (trapezoidal rule), with a minus because F_T_W is the force on the hand
       work_J -= 0.5 * (f + Vector3(model.F_T_W.f)).dot(next - p);
       f = model.F_T_W.f;
       p = next;

@@ -101,8 +101,8 @@ TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   EXPECT_LT(tangential, 0.1 * 40.0);
 }
 
-// The contract with the servo loop: from the reported planes it computes the frame's wrench at the frame's
-// pose.
+// The contract with the servo loop: at the frame's pose, the loop must compute the frame's wrench from the
+// reported planes.
 TEST_P(EngineLaw, ReportedContactsReproduceTheFramesWrench) {
   Bone bone = Slab(14e-3, 2e-3, false);
   AddBox({-7e-3, -7e-3, -2e-3}, {-5e-3, 7e-3, 8e-3}, bone, false);
@@ -163,8 +163,8 @@ TEST_P(EngineLaw, AWedgedToolsWrenchIsThatOfItsOverlap) {
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
 }
 
-// Two balls hold the tool from exactly opposite sides: the resultant of their planes is zero and gives no
-// direction for friction.
+// Two balls press on the tool from exactly opposite sides. The resultant of their planes is zero, so it gives
+// no direction for friction.
 TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   Bone bone = EmptyBone();
   bone.materials[0].friction = 0.3;
@@ -186,8 +186,8 @@ TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   }
 }
 
-// A cell may enlarge the tool by up to 5 mm for the normal: the reported plane is still that of the nearest
-// ball.
+// A cell may enlarge the tool by up to 5 mm when it computes the normal. The reported plane must still be
+// that of the nearest ball.
 TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreStillReportsTheNearestBall) {
   Bone bone = EmptyBone();
   // the nearest ball comes last in the list, so that the order of balls cannot hide a missing comparison

@@ -13,8 +13,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// The solid without the sweep along the scene's path of a ball larger than the tool by `over_m` (negative:
-/// smaller).
+/// The solid minus a sweep along the scene's path. The sweep is that of a ball that is larger than the tool
+/// by `over_m` (negative: smaller).
 class OvercutShape final : public CarvedShape {
  public:
   OvercutShape(const Solid& solid, const DepthScene& scene, double over_m)

@@ -269,7 +269,8 @@ TEST(BallRemoval, ABudgetForEachFrameOnlyDelaysSplitting) {
   for (std::size_t i = 1; i < states.size(); ++i) {
     EXPECT_EQ(states[i].split_balls, states[0].split_balls);
     EXPECT_EQ(states[i].split_cuts, states[0].split_cuts);
-    // many small steps move a ball along another path than one long capsule: thousandths of a millimetre
+    // many small steps move a ball along a slightly different path than one long capsule, by thousandths of a
+    // millimetre
     EXPECT_NEAR(static_cast<double>(live[i]), static_cast<double>(live[0]),
                 0.05 * static_cast<double>(live[0]));
   }
