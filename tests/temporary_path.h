@@ -8,8 +8,8 @@
 
 namespace osteon {
 
-/// A path in this process's temporary folder, which is removed when the process ends. So tests of two
-/// processes, or of two checkouts, don't share files.
+/// A path in this process's temporary folder, which is removed when the process ends. Tests of two processes,
+/// or of two checkouts, therefore don't share files.
 inline std::filesystem::path TemporaryPath(const std::string& name) {
   struct Folder {
     Folder() { std::filesystem::create_directories(path); }

@@ -43,9 +43,9 @@ double DistanceToLimits(const LbrParams& params, const JointVector& q) {
   return smallest;
 }
 
-// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each: an angle
-// is in an interval exactly if the posture is valid. Angles within 1e-8 of an end are left out: rounding
-// decides there.
+// 2000 poses, every tenth near a singularity, in all eight configurations, at 90 arm angles each. An angle
+// must be in an interval exactly if the posture at this angle is valid. The test skips angles within 1e-8 of
+// an interval's end, because there the result depends on rounding.
 TEST(ArmAngleIntervals, AgreeWithDenseSampling) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 7);
@@ -114,8 +114,9 @@ TEST(ArmAngleIntervals, EndWhereAJointReachesItsLimit) {
   EXPECT_GT(ends, 2000);
 }
 
-// Straight up with the flange level, the elbow cannot turn: A1, A3, A5 and A7 are one joint. At every arm
-// angle A1 and A5 stay at zero, A3 is the arm angle, A7 its opposite.
+// If the arm stands straight up with the flange level, the axes of A1, A3, A5 and A7 coincide, and the elbow
+// has no circle to move on. At every arm angle A1 and A5 keep the seed's zero, A3 equals the arm angle, and
+// A7 equals minus the arm angle.
 TEST(ArmAngleIntervals, FreeJointsOfAStraightArmKeepTheirSeed) {
   const LbrArm arm(Iiwa14());
   const Pose X_BF = arm.FlangePose(JointVector::Zero());
@@ -143,8 +144,8 @@ TEST(ArmAngleIntervals, AreAFullTurnWithoutLimits) {
   }
 }
 
-// Limits that are not symmetric about zero, from 20 deg to a half turn wide, give more interval ends than the
-// limits of an LBR.
+// The limits here are not symmetric about zero, and their ranges are 20 to 180 deg wide. They give more
+// interval ends than the limits of an LBR.
 TEST(ArmAngleIntervals, AgreeWithSamplingForUnsymmetricLimits) {
   LbrPostures draw(Iiwa14(), 10);
   int checked = 0, valid = 0;

@@ -14,9 +14,9 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kRelative = 1e-9;  // required, as a share of the largest torque; rounding gives 1e-13
+constexpr double kRelative = 1e-9;  // permitted error as a share of the largest torque; rounding gives 1e-13
 
-// Largest relative difference of torques from KDL's over random states, every other one with a wrench on the
+// Largest relative difference of torques from KDL's over random states. Every other state has a wrench on the
 // flange.
 template <int N>
 double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt19937_64& random) {
@@ -33,7 +33,7 @@ double InverseDynamicsError(const ChainParams<N>& params, int states, std::mt199
     Wrench F;
     if (n % 2 == 1)
       F = {.f = RandomJoints<6>(random, 200.0).head<3>(), .t = RandomJoints<6>(random, 20.0).head<3>()};
-    // KDL wants each segment's wrench in the segment's frame
+    // KDL expects each segment's wrench in the segment's own frame
     const Matrix3 R_BF = arm.FlangePose(q.data).linear();
     const Vector3 f = R_BF.transpose() * F.f, t = R_BF.transpose() * F.t;
     KDL::Wrenches wrenches(chain.getNrOfSegments(), KDL::Wrench::Zero());
@@ -83,7 +83,7 @@ TEST(ChainDynamics, GravityAndCoriolisEqualKdl) {
 }
 
 // Largest relative differences of the mass matrix from KDL's and MuJoCo's, and of inverse and forward
-// dynamics from MuJoCo's, which computes in other frames, with spatial accelerations.
+// dynamics from MuJoCo's. MuJoCo computes in other frames and with spatial accelerations.
 template <int N>
 struct MassErrors {
   double kdl{0.0}, mujoco{0.0}, mujoco_inverse{0.0}, mujoco_forward{0.0};
@@ -162,8 +162,9 @@ TEST(ChainDynamics, ForwardDynamicsUndoesInverseDynamics) {
   }
 }
 
-// The power balance that control laws rely on: qd·Ṁ qd = 2 qd·(Coriolis torques). With Ṁ by central
-// differences, step 1e-5: error h^2/6 and 1e-16/h times M of a few kg m^2, below 1e-8.
+// The power balance that control laws rely on: qd·Ṁ qd = 2 qd·(Coriolis torques). The test computes Ṁ, the
+// rate of the mass matrix M, by central differences with step h = 1e-5. Their errors are h^2/6 (truncation)
+// and 1e-16/h (rounding) times M of a few kg m^2: below 1e-8.
 TEST(ChainDynamics, CoriolisTorquesBalanceTheMassMatrixRate) {
   std::mt19937_64 random{25};
   for (const ChainParams<7>& params : {Iiwa14Chain(), RandomChain<7>(random)}) {
@@ -178,7 +179,7 @@ TEST(ChainDynamics, CoriolisTorquesBalanceTheMassMatrixRate) {
 }
 
 // The arm falls freely for half a second from a raised posture: potential energy becomes kinetic energy. The
-// classical Runge-Kutta method is of fourth order: half the step, a sixteenth of the error.
+// classical Runge-Kutta method is of fourth order: half the step gives a sixteenth of the error.
 TEST(ChainDynamics, FreeMotionKeepsItsEnergyToTheIntegratorsOrder) {
   const ChainParams<7> params = Iiwa14Chain();
   const SerialChain<7> arm(params);
@@ -229,8 +230,8 @@ TEST(ChainDynamics, FrictionOpposesMotionAndSaturates) {
   EXPECT_EQ(arm.Friction(qd)[3], 0.0);
 }
 
-// A hand's wrench on a resting arm in free space: the flange starts with the acceleration that the mobility
-// predicts.
+// A hand's wrench acts on an arm at rest in free space. The flange's first acceleration must be the one that
+// the mobility predicts.
 TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   std::mt19937_64 random{26};
   const SerialChain<7> arm(RandomChain<7>(random), Vector3::Zero());
@@ -251,8 +252,8 @@ TEST(ChainDynamics, MobilityIsTheAccelerationForAWrench) {
   }
 }
 
-// The torques of the loaded arm are those of the bare arm plus J^T F, with F the wrench on the flange that
-// accelerates the payload's mass and inertia and carries its weight.
+// The torques of the loaded arm must equal those of the bare arm plus J^T F. F is the wrench on the flange
+// that accelerates the payload's mass and inertia and supports the payload's weight.
 TEST(ChainDynamics, PayloadActsOnTheFlangeAsItsWeightAndInertia) {
   std::mt19937_64 random{27};
   for (int n = 0; n < 50; ++n) {

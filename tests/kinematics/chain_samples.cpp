@@ -9,11 +9,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 // A joint and its link in an LBR's description.
 struct LinkRow {
-  double y, z;  // of the joint, in the previous link [m]
+  double y, z;  // the joint's origin in the previous link [m]
   Vector3 axis;
   double range_deg, velocity_deg_per_s, acceleration, torque;  // limits; the last two in rad/s^2 and N·m
   double mass;                                                 // [kg]
-  Vector3 centre;                                              // of mass, in the link [m]
+  Vector3 centre;                                              // centre of mass in the link [m]
   double xx, yy, zz, yz, xy, xz;                               // inertia about the centre of mass [kg m^2]
 };
 

@@ -10,7 +10,8 @@
 
 namespace osteon::kinematics {
 
-/// LBR iiwa 14 R820 as in lbr_description: joint origins off the axes, axes along z, y, z, -y, z, y, z.
+/// LBR iiwa 14 R820 as in lbr_description: joint origins that are not all on the arm's centre line, axes
+/// along z, y, z, -y, z, y, z.
 [[nodiscard]] ChainParams<7> Iiwa14Chain();
 
 /// KR 6 R900-2 from the joint origins of kuka_experimental's kr6r900sixx description. No masses.
@@ -21,8 +22,9 @@ namespace osteon::kinematics {
 template <int N>
 [[nodiscard]] ChainParams<N> RandomChain(std::mt19937_64& random);
 
-/// @returns the chain's joints as KDL's segments, and its flange as a last segment without a joint. KDL wants
-///   a link's inertia at the segment's tip, which here is the joint itself: the described frame.
+/// @returns the chain's joints as KDL's segments, and its flange as a last segment without a joint. KDL
+/// expects a link's inertia in the frame of the segment's tip. Here that tip is the joint, so it is the same
+/// frame as in ChainParams.
 template <int N>
 [[nodiscard]] KDL::Chain KdlChain(const ChainParams<N>& params);
 

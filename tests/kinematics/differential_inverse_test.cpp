@@ -34,7 +34,7 @@ DifferentialInverseParams<7> Params() {
   return params;
 }
 
-// The LBR with A3 held: an arm of six joints with a spherical wrist.
+// The LBR with A3 fixed: an arm of six joints with a spherical wrist.
 constexpr std::array<int, 6> kWithoutA3{0, 1, 3, 4, 5, 6};
 DifferentialInverseParams<6> ParamsWithoutA3() {
   DifferentialInverseParams<6> params;
@@ -109,8 +109,8 @@ class DifferentialInverseTest : public ::testing::Test {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// The pose after a tick equals the exponential of the twist, up to third order in the joints' step:
-// |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
+// The pose after a tick equals the previous pose moved by the twist V over the tick. The error is of third
+// order in the joints' step: |qd|^3 dt^3 ~ (0.5e-3)^3 = 1e-10.
 TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) {
   for (int n = 0; n < 200; ++n) {
     DifferentialInverseParams<7> params = Params();
@@ -130,10 +130,10 @@ TEST_F(DifferentialInverseTest, AwayFromLimitsTheToolMovesAsWantedToThirdOrder) 
   }
 }
 
-// The share of the twist, compared with a search over speeds of the null motion that uses another
-// decomposition of the Jacobian. One joint is near its limit.
+// The test compares the share of the twist with that of a search over speeds of the null motion. The search
+// uses another decomposition of the Jacobian. One joint is near its limit.
 TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllows) {
-  constexpr double kShort_s = 1e-7;  // no curvature within a tick between the twist and J qd
+  constexpr double kShort_s = 1e-7;  // so short that the curvature of the path does not matter within a tick
   DifferentialInverseParams<7> free = Params();
   free.acceleration_share = 1e12;
   const DifferentialInverse<7> inverse(free);
@@ -176,7 +176,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllo
       }
       return least <= most ? most : -1.0;
     };
-    // the largest speed of the null motion that yields to limits, from its definition
+    // the largest null-motion speed that may relieve a joint at its limit, from its definition
     const double r_wanted = std::clamp(null.dot(in.qd_null), -0.5, 0.5);
     double relief = 100.0;
     for (int i = 0; i < 7; ++i) {
@@ -190,7 +190,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllo
 
     const MotionOutput<7> out = inverse.Step(in);
     EXPECT_GE(out.share, best - 1e-6) << n;
-    EXPECT_LE(out.share, best + 5e-3) << n;  // the search's step of r, times the null part over the task part
+    EXPECT_LE(out.share, best + 5e-3) << n;  // 5e-3: the search's step of r, in shares of the twist
     for (int i = 0; i < 7; ++i) {
       EXPECT_GE(out.qd[i], low[i] - 1e-6);
       EXPECT_LE(out.qd[i], high[i] + 1e-6);
@@ -206,7 +206,7 @@ TEST_F(DifferentialInverseTest, KeepsTheLargestShareOfTheTwistThatNullMotionAllo
   EXPECT_GT(helped, 50) << "the null space made way";
 }
 
-// A wanted null motion changes the joint velocities along the null space only, and by the wanted speed.
+// A requested null motion changes the joint velocities only along the null space, and by the requested speed.
 TEST_F(DifferentialInverseTest, NullMotionLeavesTheToolStillAndIsKeptWhereLimitsAllowIt) {
   for (int n = 0; n < 200; ++n) {
     MotionInput<7> in;
@@ -226,14 +226,15 @@ TEST_F(DifferentialInverseTest, NullMotionLeavesTheToolStillAndIsKeptWhereLimits
   }
 }
 
-// With six joints there is no null motion: toward A2's limit at 0.1 m/s the tool keeps its direction to 1e-6
-// (its curvature is corrected to second order). It only slows down, and never turns back or passes the limit.
+// An arm of six joints has no null motion. The tool moves at 0.1 m/s in the direction in which A2 alone moves
+// it, until A2 comes to its limit. The tool must keep its direction, only slow down, never turn back, and
+// never pass the limit.
 TEST_F(DifferentialInverseTest, ApproachToAJointLimitKeepsTheDirectionAndIsMonotone) {
   JointVectorN<6> start;
   start << 0.3, 1.6, -0.9, 0.4, 0.9, 0.2;
   SimulatedArm<6> simulated(ParamsWithoutA3(), start);
   const double bound = ParamsWithoutA3().limits[1].upper_rad - ParamsWithoutA3().position_margin_rad;
-  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // as A2 alone would move the tool
+  Vector3 direction = Jacobian(start).block<3, 1>(0, 1).normalized();  // the tool's motion by A2 alone
   double last_share = 1.0, last_q = start[1];
   bool arrived = false;
   for (int i = 0; i < 6000; ++i) {
@@ -283,12 +284,12 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   const int out_ticks = static_cast<int>(GetParam().seconds * 1000);
   double V = 0.0;
   Vector6 last = Vector6::Zero();
-  double farthest = 0.0, roughest = 0.0;  // reach [m], and change of the tool's velocity in a tick [m/s]
+  double farthest = 0.0, roughest = 0.0;  // largest reach [m], largest velocity change in a tick [m/s]
   int reversals = 0, back_after = -1;
   double last_a4 = 0.0;
   double reach_turn = 0.0;
   for (int i = 0; i < out_ticks + 1000; ++i) {
-    // the wanted speed reverses within 50 ms, as a hand's does
+    // the requested speed reverses within 50 ms, like that of a hand
     const double goal = i < out_ticks ? GetParam().speed_m_per_s : -GetParam().speed_m_per_s;
     V += std::clamp(goal - V, -GetParam().speed_m_per_s / 50, GetParam().speed_m_per_s / 50);
     // the flange moves without rotation, along the line from the shoulder to the wrist
@@ -316,10 +317,10 @@ TEST_P(ElbowTest, PushedStraightTheArmStopsSmoothlyAndReturnsAtOnce) {
   }
   EXPECT_EQ(reversals, 0);
   EXPECT_LT(simulated.q[3], 0.0) << "the elbow is still on its side";
-  // with the joints' acceleration alone, 1 mm back takes A4 some 130 ms from rest
+  // A4 needs some 130 ms from rest for 1 mm back, if only the joints' accelerations limit it
   EXPECT_GT(back_after, 0);
   EXPECT_LT(back_after, 400) << "however long it was pushed";
-  // 11.36 rad/s^2 of A4 over 0.42 m + 0.4 m of arm are at most 9 m/s^2: 9 mm/s per tick
+  // A4's 11.36 rad/s^2 at 0.42 m + 0.4 m of arm give at most 9.3 m/s^2, or some 9 mm/s per tick
   EXPECT_LT(roughest, 9e-3);
 }
 
@@ -336,8 +337,8 @@ TEST_F(DifferentialInverseTest, AnExactlyStraightArmRestsUntilItIsPulledBack) {
   EXPECT_LE(simulated.peak_acceleration, 1.0 + 1e-9);
 }
 
-// A6 turns through zero, past the straight (singular) wrist. The parameter is the miss: the smallest angle to
-// the singular posture on the way [rad].
+// A6 turns through zero, past the straight (singular) wrist. The test's parameter is the smallest angle to
+// the singular posture along the path [rad].
 class WristTest : public ::testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(, WristTest, ::testing::Values(0.0, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.05));
 
@@ -382,7 +383,8 @@ TEST_F(DifferentialInverseTest, GradientOfTheSmallestSingularValueEqualsDifferen
     const MotionOutput<7> out = DifferentialInverse<7>(Params()).Step(in);
     EXPECT_NEAR(out.sigma_min_m, sigma_min(in.q), 1e-14);
     for (int i = 0; i < 7; ++i) {
-      // error: h^2 of a third derivative over the gap to the next value, some 1e-8
+      // error of the central difference: h^2 times a third derivative, which grows near the next singular
+      // value; some 1e-8
       constexpr double h = 1e-5;
       JointVectorN<7> more = in.q, less = in.q;
       more[i] += h;
@@ -397,7 +399,7 @@ TEST_F(DifferentialInverseTest, TheSameInputGivesTheSameBitsAndNothingIsAllocate
   MotionInput<7> in;
   in.V_BT.v = Vector3(0.1, 0.0, 0.2);
   for (int n = 0; n < 50; ++n) {
-    if (n > 0) in.q = RegularPosture();  // first the singular one
+    if (n > 0) in.q = RegularPosture();  // the first pass keeps the singular posture
     in.J = Jacobian(in.q);
     const MotionOutput<7> first = inverse.Step(in);
     rt::CheckedNoAllocScope no_alloc;

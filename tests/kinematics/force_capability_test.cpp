@@ -13,8 +13,8 @@
 #include "tests/kinematics/chain_samples.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The closed forms compared with their definition: torques of single wrenches, by matrix products, over
-// random arms and dense samples of directions.
+// The closed forms are compared with their definition: the joint torques of single wrenches, computed by
+// matrix products, over random arms and dense samples of directions.
 
 namespace osteon::kinematics {
 namespace {
@@ -44,7 +44,7 @@ ArmSample<N> DrawArmSample(std::mt19937_64& random) {
   return d;
 }
 
-// The capability with gravity's help counted: the definition gives it exactly.
+// The capability that counts a drive's relief by gravity. TorqueMargin() gives this value exactly.
 template <int N>
 ForceCapability<N> CapabilityWithGravityHelp(const ArmSample<N>& d) {
   return {d.J, d.g, d.tau_max, GravityHelp::kCounted};
@@ -100,7 +100,7 @@ TYPED_TEST(ForceCapabilityOf, LateralForceIsHeldInEveryDirectionBesideTheAxialFo
   for (int n = 0; n < 100; ++n) {
     const ArmSample<N> d = DrawArmSample<N>(random);
     const ForceCapability<N> arm = CapabilityWithGravityHelp(d);
-    const double axial_N = 0.5 * arm.Force(d.axis).value * (n % 3);  // none, half, all of it
+    const double axial_N = 0.5 * arm.Force(d.axis).value * (n % 3);  // none, half or all of it
     const double guaranteed = arm.LateralForce(d.axis, axial_N).value;
     double least_room = HUGE_VAL, least_room_beyond = HUGE_VAL;
     for (double turn = 0.0; turn < 2.0 * kPi; turn += kPi / 1800.0) {
@@ -124,7 +124,8 @@ TYPED_TEST(ForceCapabilityOf, FactorOfALoadIsTheLargestThatHoldsEveryWrenchOfThe
     const ArmSample<N> d = DrawArmSample<N>(random);
     const ToolLoad load{.axial_N = n % 2 == 0 ? 200.0 : -150.0, .lateral_N = 40.0, .torque_Nm = 6.0};
     const CapabilityLimit k = CapabilityWithGravityHelp(d).Factor(d.axis, load);
-    // each drive's worst wrench of the load is one of these: the most loaded drive is at its limit
+    // the worst wrench of the load for each drive; among them, the most loaded drive must be exactly at its
+    // limit
     double smallest = HUGE_VAL;
     for (int i = 0; i < N; ++i)
       for (const double sign : {1.0, -1.0})
@@ -136,7 +137,7 @@ TYPED_TEST(ForceCapabilityOf, FactorOfALoadIsTheLargestThatHoldsEveryWrenchOfThe
           smallest = std::min(smallest, TorqueMargin(d, worst));
         }
     ASSERT_NEAR(smallest, 0.0, 320.0 * kRounding);
-    // every other wrench of the load is held
+    // the arm holds every other wrench of the load
     for (int m = 0; m < 50; ++m) {
       const Vector3 t = Vector3(uniform(random), uniform(random), uniform(random)).normalized();
       const Vector3 across = DirectionAtAngle(d.axis, 0.5 * kPi, kPi * uniform(random));
@@ -213,7 +214,7 @@ TYPED_TEST(ForceCapabilityOf, ForceInALostDirectionIsCappedAndNamesNoJoint) {
   std::mt19937_64 random(19);
   ArmSample<N> d = DrawArmSample<N>(random);
   d.axis = Vector3::UnitX();
-  d.J.row(0).setZero();  // no joint moves the point along x
+  d.J.row(0).setZero();  // now no joint moves the point along x
   const ForceCapability<N> arm = CapabilityWithGravityHelp(d);
   EXPECT_EQ(arm.Force(d.axis).value, kForceCap_N);
   EXPECT_EQ(arm.Force(d.axis).joint, -1);
@@ -300,8 +301,9 @@ class Iiwa14Force : public ::testing::Test {
   std::mt19937_64 random_{23};
 };
 
-// A6 turns about an axis across the tool, (0.126 + L) m from the tool's apex: its 40 N·m hold 177, 123, 94 N.
-// Every other joint holds more, in any posture. The arm is weightless: masses beyond A6 would take torque.
+// A6's axis is perpendicular to the tool, (0.126 + L) m from the apex of a tool of length L. Its 40 N·m
+// therefore hold 177, 123 and 94 N at L = 0.1, 0.2 and 0.3 m. Every other joint holds more, in any posture.
+// The arm is weightless: masses beyond A6 would take torque.
 TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
   const SerialChain<7> weightless(body_, Vector3::Zero());
   for (const double length_m : {0.10, 0.20, 0.30})
@@ -316,8 +318,9 @@ TEST_F(Iiwa14Force, A6LimitsTheLateralForceToItsTorqueOverItsLever) {
     }
 }
 
-// 400 N is twice the cell's limit. If gravity's help is not counted, one percent fewer postures hold it,
-// because the drives at the shoulder carry some 60 N·m of the arm's own weight.
+// 400 N is twice the cell's limit. Some postures hold 400 N only because gravity relieves a drive. Without
+// counting that relief, one percent fewer postures do, because the drives at the shoulder carry some 60 N·m
+// of the arm's own weight.
 TEST_F(Iiwa14Force, AxialForceIs400NewtonInAlmostEveryPosture) {
   constexpr int kPostures = 20'000;
   int exact = 0, cautious = 0;
@@ -362,7 +365,8 @@ TEST_F(Iiwa14Force, BestArmAngleHoldsAsMuchAsAnySampledArmAngle) {
   EXPECT_GT(better_than_own, poses / 2) << "the arm angle must matter, or nothing is proven";
 }
 
-// One joint's limits leave a self-motion of a third of a degree, which no sample of the circle meets.
+// One joint's limits leave a range of arm angles of a third of a degree. Evenly spaced samples of the circle
+// miss it.
 TEST_F(Iiwa14Force, BestArmAngleFindsANarrowSelfMotion) {
   LbrParams params = Iiwa14();
   JointVectorN<7> q;

@@ -88,8 +88,8 @@ TEST_F(HalfSpacesTest, ResultMeetsTheConditionsOfOptimality) {
   EXPECT_GT(pushed, 10'000);
 }
 
-// Dykstra is slow where planes meet at a flat angle, so most, not all, have converged after 2000 sweeps; the
-// others are still checked from one side: no point of the set may be nearer.
+// Dykstra's method is slow if planes meet at a flat angle. The test compares only the cases in which it
+// converges within 2000 sweeps; at least 200 of 300 must.
 TEST_F(HalfSpacesTest, AlternatingProjectionsFindTheSamePoint) {
   int converged = 0;
   for (int n = 0; n < 300; ++n) {
@@ -121,7 +121,8 @@ TEST_F(HalfSpacesTest, CornerIsFoundExactly) {
   EXPECT_NEAR(result.multiplier[2], 3e-3, 1e-15);
 }
 
-// Parallel planes of which one, at each index in turn, lies 0.5 mm further out: that plane decides.
+// Parallel planes, one of which lies 0.5 mm further out. This plane has each index in turn, and alone
+// determines the result.
 TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   for (int foremost = 0; foremost < kMaxHalfSpaces; ++foremost) {
     Planes planes;
@@ -134,7 +135,8 @@ TEST_F(HalfSpacesTest, ParallelPlanesActAsTheForemost) {
   }
 }
 
-// x >= 3 mm and x <= 1 mm: the point is in the middle, 1 mm outside each; y still satisfies its plane.
+// The planes require x >= 3 mm and x <= 1 mm. The point must be in the middle, 1 mm outside each of them, and
+// must still satisfy the plane of y.
 TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
   Planes planes;
   planes[0] = {Vector3::UnitX(), 3e-3};
@@ -148,8 +150,8 @@ TEST_F(HalfSpacesTest, OppositeWallsThatOverlapCentreThePoint) {
       << "the slack is common: y may lag by 1 mm too";
 }
 
-// Random empty sets: no point of a dense search around the result has a smaller violation. The result trades
-// 1e-6 of violation against distance, hence the margin.
+// Random empty sets: no point of a dense search around the result has a smaller violation. The solver accepts
+// 1e-6 more violation for a nearer point, hence the margin.
 TEST_F(HalfSpacesTest, EmptySetGivesTheLeastViolation) {
   int empty = 0;
   for (int n = 0; n < 300; ++n) {

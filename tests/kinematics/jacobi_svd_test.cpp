@@ -60,7 +60,8 @@ TEST(JacobiSvd, SingularValuesEqualThoseOfEigen) {
   }
 }
 
-// Near a singular posture the small singular values decide: they are as accurate as the large ones, to zero.
+// Near a singular posture the small singular values matter. Their absolute error must be as small as that of
+// the large ones, even for the value zero.
 TEST(JacobiSvd, SmallSingularValuesAreExact) {
   RandomJacobians<7> random;
   for (double least : {1e-3, 1e-6, 1e-9, 1e-12, 0.0}) {
@@ -104,7 +105,8 @@ TEST(JacobiSvd, StartFromThePreviousTickSavesSweeps) {
   EXPECT_LT(2 * warm, cold) << warm << " sweeps, " << cold << " without";
 }
 
-// Each of 200 000 ticks starts from the directions U of the one before: rounding does not spoil them.
+// Each of 200 000 ticks starts from the directions U of the previous tick. The rounding errors must not
+// accumulate.
 TEST(JacobiSvd, DirectionsPassedFromTickToTickStayOrthogonal) {
   RandomJacobians<7> random;
   auto J = random.Next();

@@ -50,8 +50,8 @@ inline OrthoParallelParams Kr16Params() {
                                                               {-350, 350, 615}}});
 }
 
-/// An invented arm with all lengths different from zero, so that its plane lies beside A1, with offsets of
-/// the joint angles, and with other signs than a KR arm.
+/// An invented arm with all lengths different from zero, so that the plane of its links does not contain A1's
+/// axis, with offsets of the joint angles, and with other signs than a KR arm.
 inline OrthoParallelParams CrookedArmParams() {
   OrthoParallelParams params = Kr16Params();
   params.a1_m = -0.1;

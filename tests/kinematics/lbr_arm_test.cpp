@@ -18,7 +18,8 @@ namespace {
 constexpr int kPostures = 10'000;
 
 // The iiwa 14 as in robot descriptions: a joint's origin in the frame of the previous joint, and its axis.
-// Independent of LbrArm's four lengths: the origins are off the axes and sum up only along the chain.
+// This description is independent of LbrArm's four lengths: the joints' origins are at other places on the
+// axes, and only their sums along the chain equal these lengths.
 KDL::Chain DescribedArm() {
   struct Row {
     double y, z;
@@ -50,8 +51,8 @@ class LbrArmTest : public ::testing::Test {
     return q;
   }
 
-  // Random, with A2, A4 and A6 bent, and the wrist not above the shoulder: the inverse is well conditioned
-  // there.
+  // A random posture with A2, A4 and A6 bent and the wrist not above the shoulder, so that the inverse is
+  // well conditioned.
   JointVector RegularPosture() {
     while (true) {
       const JointVector q = RandomPosture();
@@ -122,7 +123,8 @@ TEST_F(LbrArmTest, JacobianIsTheDerivativeOfThePose) {
   }
 }
 
-// 1e-10: an elbow bent by 0.05 rad amplifies the rounding of the reach 20 times, as does the wrist.
+// The tolerance is 1e-10, because an elbow bent by 0.05 rad amplifies the rounding of the reach 20 times, and
+// the wrist does the same.
 TEST_F(LbrArmTest, InverseUndoesForward) {
   for (int n = 0; n < kPostures; ++n) {
     const JointVector q = RegularPosture();
@@ -154,8 +156,8 @@ TEST_F(LbrArmTest, InverseFromAnySeedGivesThePoseAndTheArmAngle) {
   EXPECT_GT(other_configuration, kPostures / 10);
 }
 
-// The eight solutions are known: if a bending joint changes its sign and its neighbours turn by pi, every
-// link stays in place.
+// The eight solutions follow from one: if a bending joint (A2, A4 or A6) changes its sign and its two
+// neighbours turn by pi, every link stays in place.
 TEST_F(LbrArmTest, InverseFindsAllEightConfigurations) {
   LbrParams params = Iiwa14();
   for (JointLimits& limit : params.limits) limit = {};  // ± pi
@@ -185,8 +187,8 @@ TEST_F(LbrArmTest, ArmAngleIsZeroWithTheElbowUpAndPiWithTheElbowHanging) {
   EXPECT_EQ(arm_.ArmAngle(JointVector::Zero()), 0.0);
 }
 
-// The elbow moves on a circle: a change of the arm angle turns shoulder-to-elbow about shoulder-to-wrist by
-// the difference.
+// The elbow moves on a circle. A change of the arm angle must turn the line from shoulder to elbow about the
+// line from shoulder to wrist by the same angle.
 TEST_F(LbrArmTest, ArmAngleTurnsTheElbowRightHandedAboutTheShoulderWristLine) {
   const LbrParams& params = arm_.params();
   // Shoulder to elbow, in B [m].

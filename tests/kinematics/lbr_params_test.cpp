@@ -70,7 +70,7 @@ TEST(LbrParams, FramesOfTheLinksDoNotMatter) {
 TEST(LbrParams, ErrorNamesAMisplacedTiltedOrReversedAxis) {
   for (std::size_t i = 0; i < 7; ++i) {
     const std::string name = "axis of A" + std::to_string(i + 1);
-    // sideways: no longer through shoulder, elbow or wrist
+    // an axis moved sideways no longer passes through shoulder, elbow or wrist
     ChainParams<7> chain = DescribedArm();
     chain.joints[i].X_PJ.translation().x() += 0.001;
     EXPECT_NE(ErrorMessage(chain).find(name + " passes beside"), std::string::npos) << ErrorMessage(chain);

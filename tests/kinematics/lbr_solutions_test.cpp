@@ -81,7 +81,8 @@ TEST(LbrSolutions, AllEightHaveTheRequestedArmAngle) {
     const double psi = kPi * postures.Unit();
     const LbrSolutions solutions = arm.Solve(arm.FlangePose(q), psi);
     for (const LbrSolution& solution : solutions.configuration)
-      // 1e-8: with the wrist 1e-6 beside the vertical through the shoulder, the reference loses six digits
+      // 1e-8: if the wrist is 1e-6 beside the vertical through the shoulder, the arm angle's reference loses
+      // six digits
       EXPECT_LT(std::abs(std::remainder(arm.ArmAngle(solution.q) - psi, 2.0 * kPi)), 1e-8);
   }
 }
@@ -125,7 +126,9 @@ TEST(LbrSolutions, NearestIsTheValidSolutionNearestToTheSeed) {
   EXPECT_GT(without, 1000);
 }
 
-// The wrist is outside the shell between |d_se - d_ew| and d_se + d_ew by a known distance, in any direction.
+// The wrist can reach the shell around the shoulder between the radii |d_se - d_ew| and d_se + d_ew, where
+// d_se is the length from shoulder to elbow and d_ew that from elbow to wrist. Here the wrist is a known
+// distance outside this shell, in any direction.
 TEST(LbrSolutions, ReportsTheDistanceOutOfReach) {
   const LbrArm arm(Iiwa14());
   const LbrParams& params = arm.params();
@@ -163,9 +166,9 @@ TEST(LbrSolutions, NonFinitePoseOrArmAngleIsNotReachable) {
   }
 }
 
-// Exactly singular postures: with the posture as the seed, the posture is among the eight; every seed gives
-// the pose, to 2e-12, because a posture within 1e-12 counts as singular. A straight elbow is found only to
-// 2e-7: its sine is the square root of the reach's rounding.
+// Exactly singular postures. With the posture as the seed, the posture is among the eight solutions. Every
+// seed gives the pose to 2e-12, because a posture within 1e-12 of a singularity is treated as singular. A
+// straight elbow is found only to 2e-7: its sine is the square root of the reach's rounding.
 TEST(LbrSolutions, SolvesSingularPosturesWithEverySeed) {
   const LbrArm arm(Iiwa14());
   LbrPostures postures(arm.params(), 5);
@@ -187,8 +190,8 @@ TEST(LbrSolutions, SolvesSingularPosturesWithEverySeed) {
   }
 }
 
-// Bent slightly to one side, a straight elbow keeps its arm angle; bent to the other side, the elbow is
-// opposite.
+// If a straight elbow is bent slightly to one side, the arm angle stays the same. If it is bent to the other
+// side, the arm angle changes by pi.
 TEST(LbrSolutions, ArmAngleKeepsItsValueOrTurnsByPiBesideAStraightElbow) {
   const LbrArm arm(Iiwa14());
   JointVector q = (JointVector() << 0.3, 0.7, -0.4, 0.0, 0.5, 0.9, -0.2).finished();

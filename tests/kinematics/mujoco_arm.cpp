@@ -59,7 +59,7 @@ std::string Mjcf(const ChainParams<N>& params, const Vector3& gravity_B) {
 
 template <int N>
 MujocoArm<N>::MujocoArm(const ChainParams<N>& params, const Vector3& gravity_B) {
-  // MuJoCo reads files only: the text goes into its virtual file system
+  // MuJoCo reads only files, so the text goes into MuJoCo's virtual file system
   const std::string xml = Mjcf(params, gravity_B);
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());

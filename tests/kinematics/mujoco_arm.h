@@ -8,7 +8,7 @@
 
 namespace osteon::kinematics {
 
-/// A chain in MuJoCo: an oracle for its dynamics that shares no code with KDL.
+/// A chain in MuJoCo: an oracle for the chain's dynamics that shares no code with KDL.
 template <int N>
 class MujocoArm {
  public:
@@ -24,7 +24,7 @@ class MujocoArm {
                                                 const JointVectorN<N>& tau);
 
  private:
-  // Sets the state, without applied torques.
+  // Sets the state and clears the applied torques.
   void Set(const JointVectorN<N>& q, const JointVectorN<N>& qd);
 
   struct Free {

@@ -12,7 +12,8 @@
 #include "tests/kinematics/iiwa14.h"
 #include "tests/kinematics/kr_arms.h"
 
-// The numerical inverse, itself an oracle, compared with the forward kinematics and with closed forms.
+// The numerical inverse, which other tests use as an oracle, is compared here with the forward kinematics and
+// with closed forms.
 
 namespace osteon::kinematics {
 namespace {
@@ -73,7 +74,8 @@ void ExpectConsistentResult(const SerialChain<N>& chain, const Pose& X_BF,
   EXPECT_LE(result.iterations, (1 + params.max_restarts) * params.max_iterations);
 }
 
-// Random poses and random seeds within the limits: 99 of 100 required, 2999 of 3000 measured.
+// Random poses and random seeds within the limits: 99 of 100 poses must be reached; 2999 of 3000 were
+// measured.
 template <int N>
 void ExpectReachesFromAnySeed(const ChainParams<N>& params) {
   const SerialChain<N> chain(params);
@@ -127,7 +129,7 @@ TEST(NumericalInverse, AgreesWithTheClosedFormOfAnLbr) {
     const LbrSolutions solutions = arm.Solve(X_BF, arm.ArmAngle(result.q));
     const LbrSolution& own =
         solutions.configuration[static_cast<std::size_t>(LbrArm::Configuration(result.q))];
-    // the pose's 1e-9 over the smallest singular value: at most 1e-6 away from a singularity
+    // away from a singularity, the pose's error of 1e-9 over the smallest singular value is at most 1e-6
     const bool regular =
         std::abs(result.q[1]) > 0.1 && std::abs(result.q[3]) > 0.1 && std::abs(result.q[5]) > 0.1;
     if (!regular) continue;

@@ -174,7 +174,8 @@ TEST(OrthoParallelArm, InverseSeededWithAPostureReturnsThePosture) {
       if (std::abs(q[5]) > kPi) ++beyond_half_a_turn;
       Joints found;
       ASSERT_TRUE(arm.Inverse(chain.FlangePose(q), q, found)) << q.transpose();
-      // 1e-2: three singularities within 1e-6 at once lose that much to rounding; a turn is 600 times that
+      // 1e-2: rounding may cost this much if three singularities are within 1e-6 at once; a full turn is 600
+      // times as much
       EXPECT_LT(PoseError(chain.FlangePose(found), chain.FlangePose(q)), 1e-13);
       EXPECT_LT((found - q).cwiseAbs().maxCoeff(), 1e-2) << q.transpose();
     }
@@ -194,7 +195,7 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllEquivalents) {
     double least = std::numeric_limits<double>::infinity();
     for (const OrthoParallelSolution& solution : solutions.configuration) {
       if (!solution.exists) continue;
-      double distance = 0.0;  // joints are independent: the nearest equivalent of each
+      double distance = 0.0;  // joints are independent: take the nearest equivalent of each joint
       for (int i = 0; i < 6; ++i) {
         const JointLimits& limit = params.limits[static_cast<std::size_t>(i)];
         double nearest = std::numeric_limits<double>::infinity();
@@ -221,7 +222,8 @@ TEST(OrthoParallelArm, NearestIsTheNearestOfAllEquivalents) {
 }
 
 // The wrist lies outside the torus that the two links sweep, or in the torus's hole, by a known distance. The
-// hole is out of reach only with A2 on A1 (a1 = 0): otherwise the arm reaches there from behind.
+// hole is out of reach only if A2 is on A1's axis (a1 = 0). Otherwise the arm reaches the hole with A1 turned
+// by half a turn.
 TEST(OrthoParallelArm, ReportsTheDistanceOutOfReach) {
   OrthoParallelParams params = Kr6R900Params();
   Postures postures(params, 6);
@@ -230,7 +232,7 @@ TEST(OrthoParallelArm, ReportsTheDistanceOutOfReach) {
     params.a1_m = a1_m;
     const OrthoParallelArm arm(params);
     for (int n = 0; n < 500; ++n) {
-      // from A2 into the half-plane of a random A1, forward of A1
+      // direction from A2 to the wrist: forwards, in the vertical plane of a random A1
       const double azimuth = kPi * postures.Unit(), elevation = 0.5 * kPi * postures.Unit();
       Pose X_BF = Pose(Eigen::AngleAxisd(kPi * postures.Unit(), Vector3(1, 2, 3).normalized()));
       const auto place = [&](double reach_m) {
@@ -324,7 +326,7 @@ TEST(OrthoParallelArm, ReportsTheJointBeyondItsLimitAndByHowMuch) {
   for (int i = 0; i < 6; ++i) {
     OrthoParallelParams tight = Kr6R900Params();
     JointLimits& limit = tight.limits[static_cast<std::size_t>(i)];
-    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // no equivalent within the limits
+    limit.lower_rad = std::max(limit.lower_rad, -2.9);  // then no equivalent angle is within the limits
     limit.upper_rad = q[i] - 0.05;
     const OrthoParallelArm arm(tight);
     const OrthoParallelSolution own =

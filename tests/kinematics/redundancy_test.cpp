@@ -75,8 +75,8 @@ TEST(Redundancy, AwayFromSingularityClimbsTheGradientWithASpeedFromZeroToItsBoun
       << "no direction is made of noise";
 }
 
-// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across the tool: the place
-// of the elbow decides how much of this load the arm holds.
+// An iiwa with weak A3 and A4 that presses 200 N along a tool of 0.2 m, and 35 N across the tool. The share
+// of this load that the arm holds depends on the elbow's position.
 struct Pressing {
   Pressing() {
     ChainParams<7> params = Iiwa14Chain();
@@ -97,8 +97,8 @@ JointVectorN<7> LoadGradientMotion(const PosturePreferenceParams& params, const 
   return LoadGradientMotion<7>(params, *pressing.chain, pressing.wanted, {.q = q, .n = n, .held = held}).qd;
 }
 
-// The flange stands still while the elbow follows the preference: the posture ends where the arm holds
-// nearly `load_zone` times the load, or where no neighbouring arm angle holds more.
+// The flange does not move while the elbow follows the preference. The motion must end in a posture in which
+// the arm holds nearly `load_zone` times the load, or in which no neighbouring arm angle holds more.
 TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
   const Pressing pressing;
   const LbrArm lbr(Iiwa14());
@@ -121,7 +121,7 @@ TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
     MotionOutput<7> out;
     for (int tick = 0; tick < 15'000; ++tick) {
       in.J = lbr.JacobianAt(in.q, Vector3::Zero());
-      // the tick's third-order error is led back, so that the whole motion is one self-motion
+      // corrects each tick's third-order error, so that the flange keeps its pose over the whole motion
       const Pose X_now = lbr.FlangePose(in.q);
       in.V_BT = {.v = 10.0 * (X_BF.translation() - X_now.translation()),
                  .w = 10.0 * (X_now.linear() * LogRotation(X_now.linear().transpose() * X_BF.linear()))};
@@ -135,10 +135,11 @@ TEST(Redundancy, ElbowMovesToWhereTheArmHoldsMost) {
     const double held = HeldLoad<7>(*pressing.chain, pressing.wanted, in.q).value;
     EXPECT_GT(held, held_at_start - 1e-6);
     if (held > preference.load_zone - 0.12) {
-      ++at_zone;  // the preference fades out below the zone
+      ++at_zone;  // the preference already fades out a little below load_zone, hence 0.12
       continue;
     }
-    // otherwise the posture is a maximum: 8 % allows for the averaging over ±0.02 rad beside an edge
+    // otherwise the posture must be a maximum; 8 % allows for the gradient's averaging over ±0.02 rad near an
+    // edge of the capability
     double around = held;
     for (const double turn : {-0.1, -0.05, 0.05, 0.1}) {
       JointVector neighbour;

@@ -88,8 +88,8 @@ TEST(SerialChain, AnyArmsPoseAndJacobianEqualThoseOfKdl) {
   EXPECT_LT(worst.jacobian, kRounding);
 }
 
-// Axes that are parallel, opposite, or off by less and less: the common normal that defines a frame's x
-// becomes undefined, with no effect on the results.
+// Neighbouring axes are parallel, opposite, or deviate from this by smaller and smaller angles. The common
+// normal that defines a frame's x then becomes undefined, but this must not affect the results.
 TEST(SerialChain, AlmostParallelAxesLoseNoAccuracy) {
   std::mt19937_64 random{8};
   for (const double tilt : {0.0, 1e-16, 1e-13, 1e-9, 1e-5, 1e-2})
@@ -111,7 +111,8 @@ TEST(SerialChain, IiwaStandsUprightAtTheCatalogueHeight) {
   EXPECT_TRUE(X_BF.linear().isIdentity(1e-15));
 }
 
-// Any point of the flange: its velocity is that of the flange's origin plus the rotation about it.
+// The velocity of any point of the flange is that of the flange's origin plus that of the rotation about the
+// origin.
 TEST(SerialChain, JacobianOfAPointFollowsFromTheFlangesJacobian) {
   std::mt19937_64 random{9};
   const SerialChain<7> arm(RandomChain<7>(random));

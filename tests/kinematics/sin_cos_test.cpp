@@ -26,8 +26,8 @@ double WorstError(double range_rad, int count, std::mt19937_64& random) {
   return worst;
 }
 
-// Compared with the C library's extended precision. Half an ulp of a result near 1 is 2^-54; the rounding of
-// the remainder adds as much, the polynomials a little.
+// The results are compared with the C library's extended precision. Half an ulp of a result near 1 is 2^-54;
+// the rounding of the remainder adds as much, the polynomials a little.
 TEST(SinCos, EqualsExtendedPrecisionToTheLastPlaces) {
   std::mt19937_64 random{1};
   const double ulp = std::numeric_limits<double>::epsilon();

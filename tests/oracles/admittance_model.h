@@ -9,22 +9,24 @@
 #include "hil/loops/admittance_loop.h"
 
 // Model B of docs/theory/stability.md in plain scalars: a critically damped arm with a dead time of at least
-// one period, and a wall without damping. An oracle of hil/loops/admittance_loop.h: only the parameters are
-// shared.
+// one period, and a wall without damping. An oracle of hil/loops/admittance_loop.h, with which it shares only
+// the parameters.
 
 namespace osteon::studies {
 
-/// The acceleration that the hand's mass feels in a sample.
+/// How the acceleration of the hand's mass is computed in sample k, from the arm's velocity v, position x,
+/// command x_c, bandwidth w [rad/s] and the period T.
 enum class HandAcceleration {
   kMeanOfPeriod,      ///< (v[k] - v[k-1]) / T
-  kAfterCommandStep,  ///< w^2 (x_c - x) - 2 w v, with the command that has just begun
+  kAfterCommandStep,  ///< w^2 (x_c - x) - 2 w v, with the newest command x_c
 };
 
 /// Spectral radius of the loop's matrix over one period, exact to rounding; < 1: stable.
 [[nodiscard]] inline double AdmittanceModelRadius(const hil::AdmittanceLoopParams& p, HandAcceleration kind) {
   const double T = p.period_s, w = 2.0 * std::numbers::pi * p.arm.bandwidth_hz, decay = std::exp(-w * T);
   const int dead = static_cast<int>(p.arm.dead_cycles), age = p.wall.age_ticks;
-  // state: commands (the newest first), x, v, v a period ago, the law's v, felt forces
+  // state: commands (newest first), the arm's x and v, v one period before, the virtual tool's v, earlier
+  // measured forces (newest first)
   const int commands = std::max(dead, age + 1), x_at = commands, law_at = commands + 3,
             felt_at = commands + 4;
   const int size = felt_at + p.sensor_delay;

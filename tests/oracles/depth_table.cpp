@@ -105,7 +105,7 @@ DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double
 }
 
 DepthMethod RecommendedMethod(const DepthScene& scene) {
-  constexpr double kReamer_m = 10e-3;  // to balls of a millimetre or two, the cut of such a tool is flat
+  constexpr double kReamer_m = 10e-3;  // larger heads cut nearly flat at the scale of the bone's balls
   if (CuttingHead(scene.tool)->radius_m >= kReamer_m)
     return {.name = "overlap", .balls = BuildPacking(*scene.solid, *scene.zone, {}), .split = {}};
   return {.name = "graded, split",

@@ -11,7 +11,7 @@
 #include "simulation/tools/tool.h"
 
 // Two cuts whose exact results are known, and the accuracy with which packings of balls reproduce them: an
-// oracle of ball removal. Exact to the samples of CutAccuracy.
+// oracle of ball removal. The accuracy is exact up to the sampling of CutAccuracy.
 
 namespace osteon::simulation {
 
@@ -20,19 +20,20 @@ namespace osteon::simulation {
 struct DepthScene {
   std::string name;
   std::unique_ptr<Solid> solid;
-  std::unique_ptr<CutZone> zone;  ///< region of a fine packing: around the cut, whatever its shape
+  std::unique_ptr<CutZone> zone;  ///< region that is packed finely: around the cut, of any shape
   Tool tool;
-  std::vector<Vector3> corners_m;  ///< of the polyline of the tool's centre
+  std::vector<Vector3> corners_m;  ///< corners of the tool centre's polyline
 
   /// Poses along the polyline, at most `step_m` apart.
   [[nodiscard]] std::vector<Pose> Path(double step_m) const;
 };
 
-/// A cube of 20 mm, its top face at z = 0; a ball of 5 mm plunges 5 mm deep and slides 6 mm. The tool is
-/// small: about as large as the bone's balls.
+/// A cube of 20 mm with its top face at z = 0; a ball of radius 5 mm plunges 5 mm deep and then moves 6 mm
+/// sideways. The tool is small: about as large as the bone's balls.
 [[nodiscard]] DepthScene MakeBlockScene();
 
-/// A shell of 25 to 33 mm; a ball of 25 mm goes 3 mm deeper, as a reamer in its cup.
+/// Half a spherical shell with radii of 25 and 33 mm; a ball of radius 25 mm cuts 3 mm deep, like a reamer in
+/// its cup.
 [[nodiscard]] DepthScene MakeCupScene();
 
 /// One way to represent and carve a bone.
@@ -45,13 +46,13 @@ struct DepthMethod {
 /// A method's result in a scene, and the accuracy of its cut.
 struct DepthRow {
   std::string scene, method;
-  std::size_t balls{0};      ///< in the uncut packing
+  std::size_t balls{0};      ///< balls of the uncut packing
   std::size_t live{0};       ///< remaining balls after the cut
   std::size_t touching{0};   ///< remaining balls that touch the swept volume
   std::size_t blocks{0};     ///< most blocks of the pool in use at a time
-  std::uint64_t refused{0};  ///< requests for a block that found none (BallRemoval::refused)
+  std::uint64_t refused{0};  ///< requests for a block when none was free (BallRemoval::refused)
   double overlap_m{0.0};     ///< deepest overlap of a remaining ball with the swept volume, exact
-  CutAccuracy accuracy{};    ///< with probes of the tool's radius, half of it, and 1 mm
+  CutAccuracy accuracy{};    ///< its probes have the tool's radius, half of this, and 1 mm
 };
 
 /// Carves a packing along the scene's path, in steps. Only the removal of an engine's frame runs. Fills the
@@ -61,8 +62,8 @@ struct DepthRow {
                                            const DepthMethod& method, DepthRow& row);
 
 /// Carves a packing and measures the result.
-/// @param step_m  distance of the path's poses
-/// @param params  for the accuracy; the radii of its probes are set by the scene's tool
+/// @param step_m  distance between the path's poses
+/// @param params  of MeasureCut; the scene's tool sets the radii of its probes
 [[nodiscard]] DepthRow MeasureDepth(const DepthScene& scene, const DepthMethod& method, double step_m,
                                     const AccuracyParams& params);
 
@@ -70,7 +71,7 @@ struct DepthRow {
 /// balls, heavy overlap without splitting for a reamer.
 [[nodiscard]] DepthMethod RecommendedMethod(const DepthScene& scene);
 
-/// The paper's packing: disjoint balls, each as large as fits up to the cap, that shrink.
+/// The paper's packing: disjoint balls, each as large as fits, up to max_radius_m. A cut shrinks them.
 [[nodiscard]] DepthMethod DisjointMethod(const DepthScene& scene, std::size_t count, double max_radius_m);
 
 }  // namespace osteon::simulation

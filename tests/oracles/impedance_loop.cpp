@@ -26,7 +26,7 @@ Eigen::VectorXd ImpedanceLoop::Step(const Eigen::VectorXd& s) const {
   const double T = params_.period_s, m = params_.mass_kg, b = params_.damping_Ns_per_m;
   const double u =
       -params_.wall_stiffness_N_per_m * s[d] - params_.wall_damping_Ns_per_m * (s[d] - s[d + 1]) / T;
-  // v' = (u - b v) / m with u held: v approaches u / b with the time constant m / b
+  // v' = (u - b v) / m with a constant u: v approaches u / b with the time constant m / b
   const double decay = std::exp(-b * T / m), tau = m / b, end = u / b;
   Eigen::VectorXd next(size());
   next[0] = s[0] + end * T + (s[speed] - end) * tau * (1.0 - decay);

@@ -36,7 +36,8 @@ class ImpedanceLoop {
 [[nodiscard]] hil::Boundary MaxWallStiffness(ImpedanceLoopParams params,
                                              const hil::BoundaryScan& scan = {.from = 1.0, .to = 1e6});
 
-/// The device's own damping that makes it passive in any hand, which is stricter than stable alone:
+/// The device's own damping that makes the device passive with any hand. This condition is stricter than
+/// stability:
 ///
 ///     b > max over th of (K T / 2) sin((2d+1) th/2) / sin(th/2) - B cos((d+1) th)
 ///

@@ -7,11 +7,12 @@
 
 namespace osteon::kinematics {
 
-/// dJ/dt of the point of the flange that is now at p_B and moves with it, at joint velocities qd [rad/s];
-/// rows v then w, in B. Exact up to rounding.
+/// dJ/dt for the point of the flange that is now at p_B and moves with the flange, at joint velocities qd
+/// [rad/s]. The rows are v, then w, in B. Exact up to rounding.
 ///
-/// A column of J is (z × (p - p_i), z). With w the angular velocity of the link and v the velocity of the
-/// joint's origin, its rate is (zd × (p - p_i) + z × (v_p - v), zd), where zd = w × z.
+/// A column of J is (z × (p - p_i), z) for a joint with axis z and origin p_i. With w the link's angular
+/// velocity, v the velocity of p_i and v_p that of p, the column's rate is (zd × (p - p_i) + z × (v_p - v),
+/// zd), where zd = w × z.
 template <int N>
 [[nodiscard]] JacobianN<N> JacobianDot(const typename SerialChain<N>::Posture& posture,
                                        const JointVectorN<N>& qd, const Vector3& p_B) {

@@ -10,9 +10,9 @@
 
 namespace osteon::studies {
 
-/// Natural logarithm of the growth in a period, found by running the loop: the mean over `periods`, after
-/// `settle` periods in which all modes but the slowest die out. The state is normalised on the way, so
-/// neither growth nor decay leaves the range of numbers.
+/// Natural logarithm of the state's growth per period, found by running the loop. It is the mean over
+/// `periods`, after `settle` periods in which all modes but the slowest die out. The state is normalised
+/// repeatedly, so that it neither overflows nor underflows.
 [[nodiscard]] inline double GrowthPerPeriod(const hil::LoopStep& step, int size, int settle, int periods) {
   Eigen::VectorXd state = Eigen::VectorXd::Unit(size, 0);
   const auto run = [&](int count) {

@@ -8,12 +8,13 @@
 
 #include "simulation/packing/ball_forest.h"
 
-// Exact distances of mass points to their nearest neighbours: they tell how evenly a bone's mass points lie.
+// Exact distances of mass points to their nearest neighbours. They show how evenly a bone's mass points are
+// distributed.
 
 namespace osteon::simulation {
 
-/// Distance of points to their nearest neighbours over the mean spacing. The spacing is the cube root of the
-/// volume that a point stands for (for a pair, the larger of the two).
+/// Distance of points to their nearest neighbours over the mean spacing. A point's spacing is the cube root
+/// of the volume that it stands for; a pair uses the larger of its two spacings.
 struct NeighborDistances {
   double min_over_spacing{0.0};
   double mean_over_spacing{0.0};  ///< independent points 0.554; face-centred lattice 1.122
@@ -22,7 +23,7 @@ struct NeighborDistances {
 };
 
 /// Measures the neighbour distances; `spacing_m[i]` is the spacing at point i.
-/// @throws std::invalid_argument where the lengths differ or a spacing is not finite and positive.
+/// @throws std::invalid_argument if the lengths differ or a spacing is not finite and positive.
 [[nodiscard]] inline NeighborDistances MeasureNeighborDistances(std::span<const Vector3> points_m,
                                                                 std::span<const double> spacing_m) {
   if (points_m.size() != spacing_m.size())

@@ -65,7 +65,8 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
         at.error.template tail<3>().norm() <= params.tolerance_rad * params.length_m)
       return InverseStop::kReached;
 
-    // step of the free joints: a held joint's row and column are those of the identity
+    // compute the step of the free joints: the row and column of a joint that stays at its limit are those of
+    // the identity
     JacobianN<N> J = chain.Jacobian(at.posture);
     J.template bottomRows<3>() *= params.length_m;
     JointVectorN<N> downhill = J.transpose() * at.error;
@@ -82,7 +83,7 @@ InverseStop Iterate(const SerialChain<N>& chain, const Pose& X_BD, const Numeric
     const InverseStop stuck = held ? InverseStop::kHeldByLimits : InverseStop::kLocalMinimum;
     if (downhill.norm() <= kFlat * std::sqrt(at.cost)) return stuck;
 
-    // more damping until the error falls
+    // increase the damping until the error falls
     const JointMatrixN<N> normal = J.transpose() * J;
     while (true) {
       JointMatrixN<N> damped = normal;

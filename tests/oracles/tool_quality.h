@@ -6,19 +6,20 @@
 
 #include "simulation/tools/tool_fit.h"
 
-// How far a tool made of balls is from its exact shape: an oracle of FitTool and of the functions that make
-// burrs, drills and mesh tools. Exact at the samples.
+// The deviation of a tool made of balls from its exact shape: an oracle of FitTool and of the functions that
+// make burrs, drills and mesh tools. The deviation is exact at the sampled points.
 
 namespace osteon::simulation {
 
 /// Deviation of a tool made of balls from its exact shape.
 struct ToolQuality {
   std::size_t cutting_balls{0}, touching_balls{0};
-  /// Distance from points of the exact surface to the nearest ball of the same kind; 0 inside a ball.
+  /// Distance from points of the exact surface to the nearest ball of the same kind (cutting or touching); 0
+  /// inside a ball.
   double cutting_gap_mean_m{0.0}, cutting_gap_max_m{0.0};
   double touching_gap_mean_m{0.0}, touching_gap_max_m{0.0};
-  double protrusion_max_m{0.0};  ///< largest distance of a ball out of the solid
-  double worst_ratio{0.0};       ///< largest gap over the sample's accepted gap
+  double protrusion_max_m{0.0};  ///< largest distance by which a ball protrudes from the solid
+  double worst_ratio{0.0};       ///< largest ratio of a sample's gap to its accepted gap
 };
 
 [[nodiscard]] inline ToolQuality MeasureTool(const Tool& tool, const Solid& solid,

@@ -51,7 +51,8 @@ Owned<OsteonTool> Drill(double diameter_m) {
   return Owned<OsteonTool>(tool);
 }
 
-// Steps the engine once with the tool at this height, then evaluates the hand's wrench. The spindle stands.
+// Steps the engine once with the tool at this height, then evaluates the hand's wrench. The spindle stands
+// still.
 OsteonWrench Press(OsteonSession* session, double z_mm) {
   const OsteonPose pose = Above(z_mm);
   OsteonWrench wrench{};
@@ -92,7 +93,8 @@ TEST(OsteonCompliance, ABoneOnAMountMovesByForceOverStiffness) {
   EXPECT_NEAR(wrench.force_N[2], series * rigid_N, 0.02 * rigid_N) << "coupling and mount in series";
 }
 
-// At the same poses and wrenches, the servo loop's compliance elements deflect as the session does.
+// At the same poses and wrenches, the servo loop's compliance elements give the same deflections as the
+// session.
 TEST(OsteonCompliance, DeflectionEqualsThatOfTheServoLoop) {
   const auto tool = Drill(0.0032);
   OsteonBoneParams bone_params;
@@ -146,7 +148,7 @@ TEST(OsteonCompliance, DeflectionEqualsThatOfTheServoLoop) {
   EXPECT_GT(mount_m, 50e-6);
 }
 
-// The engine cuts where the bent head is: a bone that gave way by d is cut d less deep.
+// The engine cuts at the place of the bent head: if the bone was displaced by d, the cut is d less deep.
 TEST(OsteonCompliance, EngineCutsWhereTheHeadIsInTheBone) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -161,7 +163,8 @@ TEST(OsteonCompliance, EngineCutsWhereTheHeadIsInTheBone) {
   const double head_z_m = before.head.position_m[2];
   EXPECT_LT(head_z_m, 4.2e-3);
   EXPECT_GT(head_z_m, 3.4e-3 + 0.05e-3);
-  // the figures' wrench is the coupling's spring between the frame's pose and its proxy, before limits
+  // the wrench in the figures is that of the coupling's spring between the frame's pose and the frame's
+  // proxy, before limits
   EXPECT_NEAR(figures.wrench.force_N[2], 20e3 * (figures.proxy.position_m[2] - head_z_m),
               0.05 * figures.wrench.force_N[2]);
 }

@@ -54,7 +54,7 @@ host::Pose Press(host::Session& session) {
 }
 
 TEST(HostSession, WrenchDependsOnVelocityAlikeInAllAxes) {
-  const host::Vector v{0.02, -0.01, -0.05}, w{0.3, -0.2, 0.5};  // in G
+  const host::Vector v{0.02, -0.01, -0.05}, w{0.3, -0.2, 0.5};  // expressed in G
   for (const host::Axes& axes : kAllAxes) {
     host::Session session(axes);
     ASSERT_OK(session.Open(BlockParams("acetabulum")));
@@ -95,7 +95,7 @@ TEST(HostSession, CompliantBoneMovesAlikeInAllAxes) {
     const host::Vector point = host::DirectionToHost(axes, point_m);
     for (std::size_t i = 0; i < 3; ++i) {
       params.mount_point_m[i] = point[i];
-      // stiffer along G's y than along G's x and z
+      // make the mount stiffer along G's y than along G's x and z, so that swapped axes show
       params.mount_stiffness_N_per_m[i] *= axes.from[i] == 1 ? 2.0 : 1.0;
     }
     ASSERT_OK(session.SetCompliance(params));
@@ -162,8 +162,8 @@ TEST(HostPlan, GuidesAlikeInAllAxes) {
     host::Guided guided;
     EXPECT_EQ(guidance.Evaluate(host::Pose(), host::Twist(), host::Wrench(), &guided), OSTEON_ERROR_ARGUMENT);
     ASSERT_OK(guidance.Open(plan, guidance_params));
-    // T's z turned to the feed (-axis): half a turn about the axis halfway between both. From step 200 on the
-    // tool also tilts, while it is too deep.
+    // A half turn about the bisector of +z and the feed turns T's z to the feed, which is minus the cup's
+    // axis. From step 200 on the tool also tilts; it is too deep by then.
     const host::Vector a = host::DirectionFromHost(axes, info.cup_axis);
     const host::Vector half{-a[0], -a[1], 1.0 - a[2]};
     const double length = std::hypot(half[0], half[1], half[2]);

@@ -150,7 +150,7 @@ TEST(HostSession, FindsAToolThatMovesAlongEachAxis) {
   }
 }
 
-// All hosts feel the same force, each in its own axes, and see the same mesh from outside.
+// All hosts must get the same force, each in its own axes, and the same mesh with its faces outwards.
 TEST(HostSession, FeelsAndShowsTheSameInAllAxes) {
   host::Wrench reference;
   std::size_t triangles = 0;

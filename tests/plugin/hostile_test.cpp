@@ -21,7 +21,7 @@
 namespace osteon::plugin {
 namespace {
 
-// Zero but for the config folder.
+// Parameters that are all zero except the config folder.
 template <class T>
 T Params() {
   T params{};
@@ -51,7 +51,7 @@ TEST(OsteonSession, ASaveThatFailsLeavesNoFile) {
   EXPECT_EQ(names, (std::vector<std::string>{"a.state.swept", "taken"}));
 }
 
-// A first pose in bone is refused; a change of tool at a free pose begins the session all the same.
+// A first pose in bone is refused. A later change of tool at a free pose must nevertheless begin the session.
 TEST(OsteonSession, BeginsWithAChangeOfToolAfterAFirstPoseInBone) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -119,7 +119,8 @@ TEST(OsteonLibrary, ErrorTextsAreOneLineOfUtf8) {
   EXPECT_EQ(osteon_bone_create(OSTEON_ABI, &params, &bone), OSTEON_ERROR_FILE);
   EXPECT_NE(std::string(osteon_last_error()).find("a??[31m? b.yaml"), std::string::npos)
       << osteon_last_error();
-  // A long text is cut off: with one of these shifts, in the middle of a two-byte character.
+  // A long text is cut off. With one of these two prefixes the cut falls in the middle of a two-byte
+  // character.
   for (const char* shift : {"", "x"}) {
     std::string name = shift;
     for (int i = 0; i < 900; ++i) name += "é";
@@ -159,7 +160,8 @@ TEST(OsteonLibrary, RefusesSitesAndCountsBeyondAnyBone) {
   EXPECT_EQ(info.site_axis[0], 1.0) << "a unit vector, whatever the length";
 }
 
-// No grid of bricks holds balls that are metres apart: the session has no surface, and the error says why.
+// Balls that are metres apart do not fit into a grid of bricks. The session then has no surface, and the
+// error must state the reason.
 TEST(OsteonSession, SaysWhyItHasNoSurface) {
   const std::array<float, 8> balls{-1e4F, -1e4F, -1e4F, 2.0F, 1e4F, 1e4F, 1e4F, 2.0F};
   auto params = Params<OsteonBoneParams>();

@@ -113,7 +113,7 @@ TEST(OsteonLibrary, NamesWhatIsWrongWithABone) {
           [&](auto& p) { p.balls_mm = bad, p.ball_count = 1, p.material = "unobtainium"; });
   refused(OSTEON_ERROR_FILE, "no_such_folder", [](auto& p) { p.config_folder = "no_such_folder"; });
   refused(OSTEON_ERROR_ARGUMENT, "site: found", [](auto& p) {
-    p.site_radius_m = 0.01;  // its axis is zero
+    p.site_radius_m = 0.01;  // the site's axis is zero
   });
 }
 
@@ -257,7 +257,7 @@ TEST(OsteonSession, WrenchNeverExceedsItsLimit) {
   settings.max_force_N = 30.0;
   const auto session = MakeSession(bone.get(), tool.get(), settings);
   double largest_N = 0.0;
-  for (double z = 4.2; z > -2.0; z -= 0.01) {  // the spindle stands: the bone holds
+  for (double z = 4.2; z > -2.0; z -= 0.01) {  // the spindle stands still, so the bone stops the tool
     const OsteonPose pose = Above(z);
     ASSERT_OK(osteon_session_step(session.get(), &pose, 0.0, 0.001));
     OsteonWrench wrench;
@@ -275,7 +275,8 @@ TEST(OsteonSession, WrenchNeverExceedsItsLimit) {
   EXPECT_EQ(osteon_session_step(session.get(), &nowhere, 0.0, 0.001), OSTEON_ERROR_ARGUMENT);
 }
 
-/// Bits of all triangles' corner positions, by brick: `kept`, updated by the changes since `generation`.
+/// Returns the bits of all triangles' corner positions for each brick: those in `kept`, updated by the
+/// changes since `generation`.
 std::map<std::uint32_t, std::vector<std::uint32_t>> UpdatedSurface(
     OsteonSession* session, std::uint64_t& generation,
     std::map<std::uint32_t, std::vector<std::uint32_t>> kept) {

@@ -13,7 +13,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/plugin/plugin_objects.h"
 
-// Sessions with threads of their own, in wall time. No assertion depends on timing.
+// Sessions that run their engine in a thread, in wall time. No assertion depends on timing.
 
 namespace osteon::plugin {
 namespace {
@@ -43,7 +43,7 @@ TEST(OsteonSessionThreads, CutWhileAHapticThreadEvaluatesTheWrench) {
   const auto session = MakeSession(bone.get(), tool.get(), Threaded(true));
   const OsteonPose free = Above(4.2);
   double largest_N = 0.0;
-  for (int i = 0; i < 5000 && FiguresOf(session.get()).frame == 0; ++i) {  // until the first frame
+  for (int i = 0; i < 5000 && FiguresOf(session.get()).frame == 0; ++i) {  // wait for the first frame
     ASSERT_OK(osteon_session_set_tool_pose(session.get(), &free, 100.0));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -76,7 +76,7 @@ TEST(OsteonSessionThreads, PoseAndWrenchNeitherAllocateNorLock) {
   scope.End();
 }
 
-// A pose that is too old no longer counts: without new poses the force fades to zero.
+// If no new poses come, the last pose becomes too old and the force fades to zero.
 TEST(OsteonSessionThreads, TheForceFadesWhenPosesStop) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();
@@ -121,12 +121,13 @@ TEST(OsteonSessionThreads, BeginAndEndManyTimesInAnyOrder) {
     auto session = MakeSession(bone.get(), tool.get(), Threaded(i % 4 == 0));
     const OsteonPose free = Above(4.2);
     ASSERT_OK(osteon_session_set_tool_pose(session.get(), &free, 0.0));
-    if (i % 2 == 0) bone.reset(), tool.reset();  // a session keeps what it needs
+    if (i % 2 == 0) bone.reset(), tool.reset();  // a session keeps its own references
     session.reset();
   }
 }
 
-// Any thread may ask for figures, marks and the surface while the engine runs and a haptic thread feels.
+// Any thread may ask for figures, marks and the surface while the engine runs and a haptic thread evaluates
+// the force.
 TEST(OsteonSessionThreads, AnswerManyThreadsAtOnce) {
   const auto bone = BlockOfBalls();
   const auto tool = BallTool();

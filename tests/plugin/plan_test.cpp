@@ -71,7 +71,8 @@ const config::SurgicalPlanConfig& LoadedPlan() {
   return plan;
 }
 
-// A tool along the planned axis, tilted about the head's centre, which is `height_m` over its planned place.
+// The pose of a tool along the planned axis, tilted about the head's centre. The head's centre is `height_m`
+// above its planned place.
 Pose AlongThePlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& reamer, double height_m,
                   double tilt_rad = 0.0) {
   Pose X_GT = Pose::Identity();
@@ -192,7 +193,7 @@ TEST(OsteonGuidance, OutputEqualsThatOfTheServoLoop) {
   Vector3 p_m = Vector3::Zero(), turn = Vector3::Zero(), v = Vector3::Zero(), w = Vector3::Zero();
   rt::Nanoseconds now = rt::kSecond;
   double largest_N = 0.0, least_share = 1.0, largest_share = 0.0;
-  for (int i = -300; i < 4000; ++i) {  // i < 0: still, inside the corridor, until the coupling has faded in
+  for (int i = -300; i < 4000; ++i) {  // i < 0: at rest in the corridor while the coupling fades in
     now += rt::kMillisecond;
     if (i >= 0) v = 0.98 * v + 0.012 * vector() - 0.03 * p_m;
     if (i >= 0) w = 0.98 * w + 0.06 * vector() - 0.03 * turn;
@@ -325,7 +326,7 @@ class OsteonAssess : public testing::Test {
     };
     for (double height_m = 25e-3; height_m > 10e-3; height_m -= 0.5e-3) step(height_m);
     for (double height_m = 10e-3; height_m > 0.0; height_m -= 50e-6) step(height_m);
-    for (int i = 0; i < 600; ++i) step(0.0);  // a minute: the last tenths go slowly
+    for (int i = 0; i < 600; ++i) step(0.0);  // 60 s, because the last tenths of a millimetre take long
   }
   static inline OsteonBone* bone_ = nullptr;
   Owned<OsteonTool> tool;
@@ -343,7 +344,7 @@ TEST_F(OsteonAssess, ScoresWhatWasReamedAsPlanned) {
   EXPECT_NEAR(found.axis_error_rad, 0.0, 1e-3);
   for (const double shift_m : {found.medial_m, found.superior_m, found.posterior_m})
     EXPECT_NEAR(shift_m, 0.0, 0.6e-3);
-  // the closed form is at full depth, which a minute does not reach
+  // 7699 mm³ is the closed form for the full depth, which 60 s of cutting do not reach
   EXPECT_GT(found.removed_m3, 0.8 * 7699e-9);
   EXPECT_LT(found.removed_m3, 1.02 * 7699e-9);
   EXPECT_GT(found.score, 85.0);
@@ -360,7 +361,7 @@ TEST_F(OsteonAssess, UsesTheAxisOfTheToolThatCut) {
   Ream(14.0 * kDegree_rad);
   ASSERT_OK(osteon_session_assess(session.get(), plan.get(), &found, nullptr, 0, nullptr));
   EXPECT_NEAR(found.axis_error_rad, 14.0 * kDegree_rad, 0.3 * kDegree_rad);
-  // another tool that has not cut yet has no axis of its own
+  // after a change of tool, until the new tool cuts, the axis is still that of the tool that cut
   const OsteonPose out = PoseOf(AlongThePlan(LoadedPlan().plan, LoadedPlan().plan.tools.back(), 0.04));
   ASSERT_OK(osteon_session_change_tool(session.get(), tool.get(), &out));
   ASSERT_OK(osteon_session_assess(session.get(), plan.get(), &found, nullptr, 0, nullptr));

@@ -83,7 +83,8 @@ inline OsteonPose Above(double z_mm, double x_mm = 0.0) {
   return {.position_m = {1e-3 * x_mm, 0.0, 1e-3 * z_mm}, .orientation_wxyz = {1.0, 0.0, 0.0, 0.0}};
 }
 
-/// Feeds the tool of BallTool() from its free place down to `z_mm`, 5 um a frame, in lockstep.
+/// Feeds the tool of BallTool() from the height from_mm, clear of the block, down to `z_mm`, by 5 um in each
+/// frame, in lockstep.
 inline void FeedTo(OsteonSession* session, double z_mm, double from_mm = 4.2, double x_mm = 0.0) {
   for (double z = from_mm; z >= z_mm; z -= 0.005) {
     const OsteonPose pose = Above(z, x_mm);

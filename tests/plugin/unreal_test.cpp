@@ -76,7 +76,8 @@ TEST_F(UnrealComponent, ReamsTheCupAndItsMeshFollows) {
     for (int i = 0; i + 2 < mesh.Triangles.Num(); i += 3) {
       const FVector a = mesh.Vertices[mesh.Triangles[i]], b = mesh.Vertices[mesh.Triangles[i + 1]],
                     c = mesh.Vertices[mesh.Triangles[i + 2]];
-      // as in UKismetProceduralMeshLibrary::GenerateBoxMesh: seen from where (c - a) × (b - a) points
+      // Unreal's winding, as in UKismetProceduralMeshLibrary::GenerateBoxMesh: a face is seen from the side
+      // to which (c - a) × (b - a) points
       outward += Dot(Cross(c - a, b - a), mesh.Normals[mesh.Triangles[i]]) > 0.0 ? 1 : 0;
       ++all;
     }
@@ -238,7 +239,7 @@ TEST(UnrealSample, ReamsTheCup) {
   EXPECT_TRUE(sample.PrimaryActorTick.bCanEverTick);
   EXPECT_EQ(sample.Tool->AttachParent, sample.RootComponent);
   sample.Bone->ConfigFolder = ConfigFolder().c_str();
-  sample.Tick(0.01F);  // before play: nothing is open
+  sample.Tick(0.01F);  // play has not begun: no session is open
   sample.Bone->BeginPlay();
   ASSERT_TRUE(sample.Bone->IsOpen());
   LoggedTexts().clear();

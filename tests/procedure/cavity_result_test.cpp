@@ -21,7 +21,7 @@ const simulation::Bone& Bone() {
 CavityResult Reamed(const Vector3& centre_mm, const SurgicalPlan& plan = DemoPlan()) {
   return AssessCavity(plan, Bone(), Ream(Bone(), 0.025, {1e-3 * centre_mm}));
 }
-constexpr double kVolumeTolerance = 0.02;  // share of the closed form: what the cloud of mass points resolves
+constexpr double kVolumeTolerance = 0.02;  // share of the closed form: resolution of the mass points
 
 TEST(CavityResult, ReamingAsPlannedLeavesNothingOverOrUnder) {
   const CavityResult result = Reamed({0.0, 0.0, -2.0});
@@ -70,11 +70,13 @@ TEST(CavityResult, ShiftsAreThoseOfTheReamersCentre) {
   EXPECT_NEAR(1e3 * result.from_plan.superior_m, 3.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.medial_m, 2.0, 0.01);
   EXPECT_NEAR(1e3 * result.from_plan.posterior_m, 1.0, 0.01);
-  // the plan's centre is 2 mm below the native one along z, whose superior part is -0.7399208
+  // the plan's centre is 2 mm below the native centre along z; the superior component of the unit vector z is
+  // -0.7399208
   EXPECT_NEAR(1e3 * result.from_native.superior_m, 3.0 + 2.0 * 0.7399208, 0.01);
 }
 
-// A whirl of w about the axis: the fit sees a larger sphere, deeper by 0.969 w.
+// The reamer's centre whirls about the axis on a circle of radius w = 0.5 mm. The fitted sphere is larger,
+// and its centre is deeper by 0.969 w.
 TEST(CavityResult, AWhirlShowsAsALargerDiameterAndALargerResidual) {
   const CavityResult round = Reamed({0.0, 0.0, -2.0});
   const CavityResult result =

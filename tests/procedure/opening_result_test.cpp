@@ -20,7 +20,7 @@ namespace {
 using simulation::CarvedState;
 
 constexpr double kBurr_m = 0.9e-3;     // radius of the burr
-constexpr double kAround_m = 0.85e-3;  // radius of the circles on which its centre is led
+constexpr double kAround_m = 0.85e-3;  // radius of the circles on which its centre moves
 
 const simulation::Bone& Tooth() {
   static const simulation::Bone tooth = [] {
@@ -42,7 +42,7 @@ SurgicalPlan PlanOfTheMolar() {
   return plan;
 }
 
-// Leads a burr down to `end_m` in layers of 0.2 mm. In each layer its centre goes along circles of up to
+// Moves a burr down to `end_m` in layers of 0.2 mm. In each layer its centre goes along circles of up to
 // `around_m`, so that the burr cuts a whole disc.
 CarvedState Open(const Vector3& end_m, double around_m) {
   simulation::Tool burr;
@@ -97,8 +97,8 @@ TEST(OpeningResult, DepthShiftAndRoofFollowTheToolsPath) {
   EXPECT_NEAR(*aside.opening->shift_m, 1.0e-3, 0.1e-3);
   EXPECT_GT(1e9 * aside.cavity.over_m3, 5.0);
   EXPECT_GT(1e9 * aside.cavity.under_m3, 5.0);
-  // A straight hole opens a disc of 0.9 mm radius, while a roof of 1.55 mm radius is judged. A column of 0.25
-  // mm that the hole opens only in part does not count as open.
+  // A straight hole opens a disc of 0.9 mm radius, but the roof that must be open has a radius of 1.55 mm. A
+  // column of 0.25 mm that the hole opens only in part does not count as open.
   const OpeningResult straight = AssessOpening(plan, Tooth(), Open(plan.centre_m, 0.0));
   EXPECT_LT(*straight.unroofed, std::pow(0.90 / 1.55, 2));
   EXPECT_GT(*straight.unroofed, std::pow(0.65 / 1.55, 2));

@@ -53,7 +53,8 @@ TEST(PelvicFrame, LandmarksThatDefineNoPlaneAreRefused) {
   EXPECT_THROW(static_cast<void>(FrameOf(flat, Side::kLeft)), std::invalid_argument);
 }
 
-// A plan for the left hip, used at the right one, is wrong by this angle: the axes are mirror images.
+// If a plan for the left hip is used for the right hip, the axis is wrong by this angle, because the two axes
+// are mirror images.
 TEST(PelvicFrame, TheSameAnglesOnTheOtherSideAreAnotherAxis) {
   const Vector3 right = FrameOf(Patient(), Side::kRight).ToG(Axis40_15()),
                 left = FrameOf(Patient(), Side::kLeft).ToG(Axis40_15());
@@ -78,7 +79,8 @@ TEST(PelvicFrame, LandmarkSpreadEqualsTheSpreadOfDrawnLandmarks) {
     anteversion += std::pow(read.anteversion_rad - 15.0 * kDegree, 2);
   }
   const CupAngles spread = LandmarkSpread(at, Side::kLeft, 0.0, CupDefinition::kRadiographic, a_G, kNoise_m);
-  // a standard deviation of 20 000 draws is known to 0.5 %: four times that, and terms of second order
+  // 20 000 draws give a standard deviation to 0.5 %; the tolerance is four times that plus terms of second
+  // order
   EXPECT_NEAR(spread.inclination_rad, std::sqrt(inclination / kDraws), 0.025 * spread.inclination_rad);
   EXPECT_NEAR(spread.anteversion_rad, std::sqrt(anteversion / kDraws), 0.025 * spread.anteversion_rad);
   RecordProperty("inclination_deg", std::to_string(spread.inclination_rad / kDegree));

@@ -24,8 +24,8 @@ TEST(PlannedCavity, ClearsTheVolumeOfBallAndCylinderLessTheCup) {
   EXPECT_NEAR(1e9 * BoneInCavity(block, kDemo, 0.5e-3), expected_mm3, 0.002 * expected_mm3);
 }
 
-// 49 mm first, then 50 mm: the second tool takes what the first left, and both together take as much as the
-// second alone.
+// A tool of 49 mm cuts first, then one of 50 mm. The second tool removes what the first left, and both
+// together remove as much as the second alone.
 TEST(PlannedCavity, AToolTakesWhatEarlierToolsLeft) {
   const simulation::AcetabulumSolid block({});
   PlannedCavity wide = kDemo, deep = kDemo;
@@ -52,8 +52,8 @@ TEST(PlannedCavity, DistanceIsThatToTheBallBelowAndToTheCylinderAbove) {
   EXPECT_NEAR(kDemo.DistanceTo({0.0, 0.0, 0.100}), -0.025, 1e-15);
 }
 
-// A burr of 2 mm whose centre is led within 1 mm of the axis: a flat floor of 1 mm, a round edge, a wall at 2
-// mm.
+// A burr of radius 1 mm whose centre moves within 1 mm of the axis. Its cavity has a flat floor of radius 1
+// mm, a round edge, and a wall of radius 2 mm.
 TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
   const PlannedCavity opening{.axis = Vector3::UnitZ(), .radius_m = 1e-3, .around_m = 1e-3};
   EXPECT_DOUBLE_EQ(opening.opening_radius_m(), 2e-3);
@@ -68,7 +68,7 @@ TEST(PlannedCavity, OfALedBurrHasAFlatFloorARoundEdgeAndAWall) {
   PlannedCavity below = opening;
   below.centre_m = {34e-3, 0.0, -3e-3};  // beside the cup
   const double floor_mm3 =
-      kPi * 1.0 * 1.0 + kPi * kPi / 2.0 + 2.0 / 3.0 * kPi;  // disc, quarter torus, ball's part
+      kPi * 1.0 * 1.0 + kPi * kPi / 2.0 + 2.0 / 3.0 * kPi;  // disc, quarter torus, part of the ball
   const double expected_mm3 = kPi * 4.0 * 3.0 + floor_mm3;
   EXPECT_NEAR(1e9 * BoneInCavity(block, below, 0.05e-3), expected_mm3, 0.005 * expected_mm3);
 }
@@ -100,7 +100,7 @@ TEST(SurgicalPlan, WarnsOfAnImplantThatIsTooTightOrTooLoose) {
 
 TEST(SurgicalPlan, WarnsOfAReamerThatLeavesThePlannedCavity) {
   SurgicalPlan plan = Plan();
-  plan.tools.front().height_m = -0.004;  // its apex 1 mm below the last one's
+  plan.tools.front().height_m = -0.004;  // its apex is 1 mm below the last tool's
   ASSERT_EQ(WarningsOf(plan).size(), 1u);
   EXPECT_NE(WarningsOf(plan)[0].find("1 mm deeper"), std::string::npos) << WarningsOf(plan)[0];
 }

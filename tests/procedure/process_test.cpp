@@ -107,7 +107,7 @@ TEST(ProcessFigures, OutsideTheCorridorIsTiltedOrAsideOrTooDeep) {
   ProcessSums sums(plan, kPeriod_s);
   for (int i = 0; i < 100; ++i) {
     ProcessSample sample = Cutting(i * kPeriod_s);
-    sample.head_m = centre_m - Vector3(0.0, 0.0, 2e-3);  // a pressed handle is deeper than the tool that cuts
+    sample.head_m = centre_m - Vector3(0.0, 0.0, 2e-3);  // commanded: deeper than the head that cuts
     sample.cut_head_m = centre_m - Vector3(0.0, 0.0, i < 50 ? 1e-3 : -1e-3);
     sample.cutting = i % 2 == 0;
     sums.Add(sample, last);
@@ -121,8 +121,8 @@ TEST(ProcessFigures, OutsideTheCorridorIsTiltedOrAsideOrTooDeep) {
   EXPECT_EQ(none.Figures().outside_s, 0.0) << "a plan without guidance has no corridor";
 }
 
-// The energy falls by 0.3 J, and later by 0.1 J. Rises, in which the guidance gives energy back, do not
-// count.
+// The energy falls by 0.3 J, and later by 0.1 J: the sum is 0.4 J. The sum ignores rises, in which the
+// guidance gives energy back.
 TEST(ProcessFigures, GuidanceEnergyIsTheSumOfAllFalls) {
   const SurgicalPlan plan = DemoPlan();
   ProcessSums sums(plan, kPeriod_s);
@@ -133,12 +133,13 @@ TEST(ProcessFigures, GuidanceEnergyIsTheSumOfAllFalls) {
     sums.Add(sample, plan.tools.back());
   };
   for (const double E_J : {0.0, -0.1, -0.3, -0.2, -0.1}) add(E_J);
-  add(std::nullopt);  // the guidance is off for a while, and begins anew
+  add(std::nullopt);  // the guidance is off for a while, then begins again
   for (const double E_J : {-0.5, -0.6}) add(E_J);
   EXPECT_NEAR(sums.Figures().guidance_J, 0.4, 1e-12);
 }
 
-// Aside by free_m, the lateral excess is 0; aside by stop_m, it is the plan's stop less its free range.
+// At a lateral deviation of free_m the excess is 0. At stop_m the excess is the plan's stop less its free
+// range.
 TEST(CorridorWidth, LateralExcessIsZeroAtFreeWidthAndFullAtStopWidth) {
   SurgicalPlan plan;
   plan.axis_G = Vector3::UnitZ();

@@ -13,11 +13,12 @@
 namespace osteon::procedure {
 namespace {
 
-// Wall that is left beyond the cup, enough for no breach.
+// Thickness of the wall that is left beyond the cup: enough that there is no breach.
 constexpr double kWallLeft_m = 0.01;
 
 // The shipped rubric (config/rubrics/rubric.yaml; tests/config/rubric_test.cpp compares them). Each item:
-// metric, points, the value that still has all of them, the value from which on it has none, source.
+// metric, points, the value up to which all points are given, the value from which on none are given, the
+// source.
 Rubric ShippedRubric() {
   return {.name = "rubric",
           .items = {{"axis_error", 30.0, 5.0 * kDegree, 10.0 * kDegree, ""},
@@ -80,7 +81,8 @@ TEST(Score, DoublingAnyErrorNeverRaisesTheScore) {
   }));
 }
 
-// Score of reaming the demo's cup with a constant tilt, the centre off by a vector, and a whirl of a radius.
+// Score of reaming the demo's cup with a constant tilt, with a displaced centre, and with a whirl of this
+// radius.
 double ScoreOfReaming(double tilt_rad, const Vector3& off_m, double whirl_m) {
   static const simulation::Bone bone = CupBone();
   SurgicalPlan plan = DemoPlan();
@@ -109,7 +111,7 @@ TEST(Score, DoublingAnErrorOfTheHandNeverRaisesTheScore) {
                                 -pelvis.lateral,           pelvis.anterior,  -pelvis.anterior,
                                 Vector3(-Vector3::UnitZ())};
   // The sphere that is fitted to a cavity in packed balls has a diameter within 0.01 mm. The 20 points of the
-  // diameter fall over 1.3 mm, so that two cuts alike may differ by 0.2 points.
+  // diameter fall over 1.3 mm, so two equally good cuts may differ by 0.2 points.
   constexpr double kTolerance_points = 0.2;
   for (const Vector3& direction : directions) {
     double before = 101.0;

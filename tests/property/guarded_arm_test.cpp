@@ -29,7 +29,7 @@ using safety::GuardDecision;
 using safety::GuardSession;
 
 constexpr double kTool_m = 0.2;      // from the flange to the tool's apex
-constexpr double kStepMargin = 1.1;  // the arm's own, FriServerParams::step_margin
+constexpr double kStepMargin = 1.1;  // the arm's own tolerance, FriServerParams::step_margin
 constexpr double kRounding = 1.0 + 1e-6;
 constexpr double kLag_m = 1e-3;  // a lagging arm may leave its commanded path by this much at a corner
 
@@ -152,7 +152,7 @@ class ControllerAndArm {
         command.tau.emplace()[which] = op.value;
         tau.assign(command.tau->begin(), command.tau->end());
         break;
-      case 6:  // no joint positions
+      case 6:  // the command has no joint positions
         command.q.reset();
         break;
       case 7:  // answers an earlier message
@@ -167,7 +167,7 @@ class ControllerAndArm {
     }
     if (command.q) joints.assign(command.q->begin(), command.q->end());
     std::vector<std::uint8_t> datagram = hil::OverlayCommand(command.sequence, message, joints, wrench, tau);
-    if (op.what == 9) {  // damaged in transit, where no guard reads it
+    if (op.what == 9) {  // damaged in transit; tried without a guard only
       if (guarded_) return;
       datagram[which * datagram.size() / 7] ^= static_cast<std::uint8_t>(1u << which);
     }
@@ -181,7 +181,7 @@ class ControllerAndArm {
     JointArray commanded{}, q{};
     std::copy_n(server_.q_commanded().data(), 7, commanded.begin());
     std::copy_n(body_->q().data(), 7, q.begin());
-    // after lost messages a step may be longer: it had more periods
+    // after lost messages a step may be longer, because it has more periods
     ++periods_;
     const double time_s = 1e-3 * periods_;
     for (std::size_t i = 0; i < 7; ++i) {
@@ -231,7 +231,8 @@ class ControllerAndArm {
     return {};
   }
 
-  // A zone counts once the commanded and then the real position have been within its bound.
+  // A zone binds as soon as the commanded position, and after it the real position, has been within the
+  // zone's bound.
   void NoteZones(const ArmPoints& commanded, const ArmPoints& actual) {
     for (std::size_t i = 0; i < entered_.size(); ++i) {
       const safety::ZoneParams& zone = limits_.workspace.zones[i];
@@ -251,12 +252,12 @@ class ControllerAndArm {
   std::uint32_t arm_sequence_{0}, sequence_{0};
   JointArray q_{GuardBench::StartJoints()}, drift_{};
   JointArray commanded_{GuardBench::StartJoints()};
-  int periods_{0};  // since the command to the arm last changed
+  int periods_{0};  // periods since the arm last got a new command
   double max_step_m_{0.0};
   struct EnteredZone {
     bool commanded{false}, actual{false};
   };
-  std::vector<EnteredZone> entered_;  // one for each zone
+  std::vector<EnteredZone> entered_;  // one entry for each zone
 };
 
 // Runs random operations; fails with the first violation.
@@ -294,7 +295,7 @@ TEST(ArmPropertyLevels, WithoutTheGuardTheArmRefusesWhatARealArmRefuses) {
 
 TEST(ArmPropertyCases, RandomCasesMoveTheArmAndReachZonesOfEveryShape) {
   int fast = 0, cases = 0;
-  std::array<int, 5> stopped_at{};  // by shape
+  std::array<int, 5> stopped_at{};  // number of cases by the zone's shape
   CheckShard(110, 1, 4'000, [&] {
     const ZoneChoices zones = *AnyZones();
     const std::vector<Op> ops = *WildOps(kPushes, kKinds);

@@ -14,8 +14,9 @@ using control::JointArray;
 using control::Phase;
 
 constexpr double kReduced_m_per_s = 0.25;  // speed limit in the mode T1, ISO 10218-1
-// A straight step of the tool and the corresponding joint step differ in second order: 0.25 mm and 1.5 mrad
-// at a reach of 1.2 m make 1 %, and more if the arm is nearly stretched. Beyond 10 % the loop stops.
+// A straight step of the tool and the corresponding joint step differ in second order. A step of 0.25 mm and
+// 1.5 mrad at a reach of 1.2 m differs by 1 %, and by more if the arm is nearly stretched. Beyond 10 % the
+// loop stops.
 constexpr double kCurvatureFactor = 1.1;
 constexpr double kRounding = 1.0 + 1e-9;
 // A tick's path is known to second order; the third order, at 1 rad/s of every joint, is some nanometres.
@@ -63,7 +64,7 @@ void LoopOracle::BeforeTick(const control::ServoLoop& loop, const control::ArmSt
   from_ = before_;
   const bool read = received == control::ReceiveResult::kOk && AllFinite(state.q_meas) &&
                     (!state.has_ipo || AllFinite(state.q_ipo));
-  // an arm that stays in the activation in which it was commanded holds its last command
+  // an arm that has not left the activation in which the loop commanded it stays at its last command
   const bool active = state.session == control::SessionState::kCommandingActive;
   const bool in_other_activation =
       state.activation != activation_ && (phase_before_ != Phase::kStopped || recovers_);
@@ -73,7 +74,8 @@ void LoopOracle::BeforeTick(const control::ServoLoop& loop, const control::ArmSt
       !active || has_left || ((phase_before_ == Phase::kWaiting || recovers_) && !commanded_);
   reduced_ticks_ = read && reduced_ ? reduced_ticks_ + 1 : read ? 0 : reduced_ticks_;
   NotePause(loop, read, asked);
-  // an arm that moves by itself is where its message says; an idle arm says nothing
+  // if the loop does not command the arm, the next command must start at the position in the arm's message;
+  // an idle arm reports none
   if (read && moves_itself && state.session != control::SessionState::kIdle)
     from_ = state.has_ipo ? state.q_ipo : state.q_meas;
   q_meas_ = state.q_meas;
@@ -108,7 +110,7 @@ std::string LoopOracle::CheckStandstill(const control::ServoLoop& loop, const co
                                         static_cast<std::uint32_t>(safety::Fault::kWorkspace) |
                                         static_cast<std::uint32_t>(safety::Fault::kJointLimit) |
                                         static_cast<std::uint32_t>(safety::Fault::kInverseKinematics);
-  // the record contains the force that was found, within the limits; it is not rendered, since the cell has
+  // the record still contains the computed force, within the limits. Nobody feels it, because the cell has
   // left rendering
   const bool renders = safety::Renders(static_cast<safety::CellState>(record.cell_state));
   if ((record.faults & ~kFoundAfterRendering) != 0 && renders)
@@ -175,7 +177,7 @@ std::string LoopOracle::CheckStep(const JointArray& to, Phase phase) {
   for (std::size_t i = 0; i < 7; ++i) {
     const kinematics::JointLimits& limit = allowed_.joints[i];
     const double max_step_rad = limit.velocity_rad_per_s * allowed_.joint_speed_share * dt_s;
-    // the command is a sum of steps: its rounding error is that of the joint's angle
+    // the command is a sum of steps, so its rounding error is relative to the joint's angle, not to the step
     const double digit_rad = 1e-15 * std::max(1.0, std::abs(from[i]));
     if (!(std::abs(to[i] - from[i]) <= max_step_rad * kRounding + digit_rad))
       return fmt::format("joint {} steps by {} rad, at most {}", i + 1, to[i] - from[i], max_step_rad);
@@ -190,7 +192,8 @@ std::string LoopOracle::CheckStep(const JointArray& to, Phase phase) {
   const double step_m = (b.p_tool_m - a.p_tool_m).norm();
   const double max_step_m =
       (reduced_ ? std::min(allowed_.speed_m_per_s, kReduced_m_per_s) : allowed_.speed_m_per_s) * dt_s;
-  // a motion in progress when T1 is chosen brakes as fast as the joints' accelerations permit
+  // if T1 is chosen during a motion, the tool may be faster for some ticks: it brakes as fast as the joints'
+  // accelerations permit
   const double braking_step_m = reduced_ticks_ <= kSlowingTicks ? way_before_m_ : 0.0;
   if (!(step_m <=
         std::max(max_step_m * kCurvatureFactor, reduced_ ? braking_step_m * kRounding : 0.0) + 1e-12))

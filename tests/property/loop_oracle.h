@@ -35,7 +35,7 @@ struct CaseLimits {
   Vector3 sphere_m{Vector3::Zero()};         ///< centre of the sphere that bounds the tool's apex
   double radius_m{1.0}, floor_m{-1.0};       ///< the sphere's radius; lowest z of the apex
   double flange_floor_m{-10.0};              ///< lowest z of the flange's centre
-  std::optional<safety::ZoneParams> zone{};  ///< one more bound, for apex, flange or elbow
+  std::optional<safety::ZoneParams> zone{};  ///< a zone as an additional bound for apex, flange or elbow
   double force_N{200.0}, torque_Nm{20.0};
   const kinematics::ChainParams<7>* body{nullptr};  ///< the arm with its masses; null: no torques are checked
   double spindle_rad_per_s{0.0};
@@ -60,7 +60,8 @@ class LoopOracle {
                                       const control::ArmCommand& command);
 
   [[nodiscard]] std::uint64_t rendered_ticks() const { return rendered_; }
-  /// Largest speed of the tool so far, as a fraction of its limit: shows how near the cases come to it.
+  /// Largest speed of the tool so far, as a fraction of the speed limit. It shows how near the cases come to
+  /// the limit.
   [[nodiscard]] double most_speed_share() const { return most_speed_; }
 
  private:
@@ -90,8 +91,9 @@ class LoopOracle {
   bool reduced_{false};           ///< the arm is in T1: reduced speed
   int reduced_ticks_{0};          ///< consecutive ticks read in T1
   double way_before_m_{0.0};      ///< length of the tool's step in the previous tick
-  bool pause_asked_{false};       ///< while the loop moved or waited, with no message of the arm since
-  bool paused_{false};            ///< a pause was asked for, and no resume
+  bool pause_asked_{false};  ///< a pause was requested while the loop moved or waited, and no message of the
+                             ///< arm has come since
+  bool paused_{false};       ///< a pause was requested, and no resume since
   std::uint64_t rendered_{0};
   double most_speed_{0.0};
 };

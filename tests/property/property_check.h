@@ -22,7 +22,7 @@ inline long long FromEnvironment(const char* name, long long fallback) {
 }
 
 /// Runs one shard of a property's cases: ctest runs the shards in parallel.
-/// @param holds  takes generated arguments; fails by RC_ASSERT
+/// @param holds  the property: a function of generated arguments that fails by RC_ASSERT
 template <typename Property>
 void CheckShard(int shard, int shards, long long cases, const Property& holds) {
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();

@@ -43,7 +43,7 @@ double TorqueOracle::Beyond_Nm(const kinematics::ChainParams<7>& arm, const cont
   double beyond_Nm = -std::numeric_limits<double>::infinity();
   const bool unloaded =
       tau_external_Nm == control::JointArray{} && (!had_before || before_Nm_ == tau_external_Nm);
-  if (unloaded) return beyond_Nm;  // its own weight alone does not overload the arm
+  if (unloaded) return beyond_Nm;  // without external torque, the arm's own weight is no overload
   const control::JointArray gravity_Nm = GravityByEnergy(arm, q);
   for (std::size_t i = 0; i < 7; ++i) {
     const double change_Nm = had_before ? tau_external_Nm[i] - before_Nm_[i] : 0.0;

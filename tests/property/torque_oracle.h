@@ -16,8 +16,8 @@ namespace osteon::property {
 class TorqueOracle {
  public:
   /// The torque [N·m] by which some joint will exceed its limit one message from now, if its torque keeps
-  /// changing at the same rate; gravity counts as a load even where it helps. Negative: no joint will exceed
-  /// its limit. NaN if an external torque is not finite.
+  /// changing at the same rate; gravity counts as a load even if it relieves the joint. Negative: no joint
+  /// will exceed its limit. NaN if an external torque is not finite.
   double Beyond_Nm(const kinematics::ChainParams<7>& arm, const control::JointArray& q,
                    const control::JointArray& tau_external_Nm);
 

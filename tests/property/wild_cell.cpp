@@ -333,17 +333,17 @@ void WildCell::DisturbDevices(const Op& op) {
       try {
         loop_.RequestGains(gains);
       } catch (const std::invalid_argument&) {
-        // refused at the request: the loop never sees them
+        // the request itself refuses these gains, so the loop never gets them
       }
       break;
     }
     case 16:
       if (op.which == 0) loop_.RequestStop();
       break;
-    case 6:  // in a single tick, a jump of the estimate
+    case 6:  // a jump of the estimated external torque, in a single tick
       state_.tau_ext[static_cast<std::size_t>(op.which)] = 10.0 * op.value;
       break;
-    case 7:  // a lasting change
+    case 7:  // a lasting change of the estimated external torque
       operation_mode_ = state_.operation_mode = static_cast<std::uint8_t>(op.which % 3);
       break;
     case 8:

@@ -66,7 +66,7 @@ class WildCell {
 
   control::ArmCommand command_;
   // lasting conditions, which stay until an operation changes them
-  Wrench push_S_;               ///< of the hand on the force sensor
+  Wrench push_S_;               ///< wrench of the hand on the force sensor
   Vector3 plane_W_m_, feed_W_;  ///< a point of the bone's surface; the direction from the tool into it
   simulation::Contact contact_;
   rt::Nanoseconds clock_{rt::kSecond};  ///< the true time

@@ -17,7 +17,7 @@ inline constexpr int kMaxTicks = 50;  ///< length of a case: 50 ms at 1 kHz
 /// One operation on a cell, in one tick.
 struct Op {
   int what{0};   ///< number of the operation; 0 does nothing: failing cases shrink toward it
-  int which{0};  ///< its target, 0 … 6: for example one of seven joints
+  int which{0};  ///< target of the operation, 0 … 6: for example one of seven joints
   double value{0.0};
 };
 inline void showValue(const Op& op, std::ostream& out) {
@@ -39,8 +39,8 @@ inline rc::Gen<double> WildValue() {
                             std::numeric_limits<double>::denorm_min(), 6.283185307179586, -0.0)}});
 }
 
-/// Generates one operation per tick: 75 % do nothing, 20 % push the tool, so that the 5 % of errors meet a
-/// cell in motion.
+/// Generates one operation per tick: 75 % do nothing, 20 % push the tool, so that the remaining 5 %, which
+/// are errors, occur in a moving cell.
 /// @param pushes, kinds  Op::what is below `kinds`; the operations from `pushes` on push the tool
 inline rc::Gen<std::vector<Op>> WildOps(int pushes, int kinds) {
   const auto among = [](int from, int to) { return rc::gen::resize(100, rc::gen::inRange(from, to)); };

@@ -10,8 +10,8 @@ namespace {
 
 using safety::ZoneShape;
 
-// Signed distance of p from the zone's set [m]: positive outside. Outside a box or cylinder the distance is
-// that from the farthest face, which is less than the Euclidean one beyond an edge.
+// Signed distance of p from the zone's set [m]: positive outside. Outside a box or cylinder, the distance is
+// the largest of the distances from its faces. Beyond an edge this is less than the Euclidean distance.
 double Outside_m(const safety::ZoneParams& zone, const Vector3& p) {
   const Vector3 to = p - zone.p_W_m;
   const double x = zone.R_W.col(0).dot(to), y = zone.R_W.col(1).dot(to), z = zone.R_W.col(2).dot(to);

@@ -8,8 +8,8 @@
 #include "safety/zone.h"
 #include "tests/property/loop_oracle.h"
 
-// Generated zones of any shape, side and orientation, whose surface is some millimetres from where a point of
-// the arm starts; and their geometry, computed independently of safety::ZoneBounds.
+// Generates zones of any shape, side and orientation. A zone's surface is some millimetres from the start of
+// a point of the arm. The zones' geometry is computed here too, independently of safety::ZoneBounds.
 
 namespace osteon::property {
 

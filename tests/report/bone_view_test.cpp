@@ -35,8 +35,8 @@ Pose DeepestPose(const SyntheticRun& run) {
   return deepest;
 }
 
-// The ideal cavity is the one of a tool that goes straight down the site's axis. Along such a path only the
-// grid's error remains.
+// The ideal cavity is that of a tool that goes straight down the site's axis. A cavity cut along such a path
+// deviates from it only by the grid's error.
 TEST(BoneView, AToolThatWentStraightInLeavesTheIdealCavity) {
   const SyntheticRun run = MakeSyntheticRun(kStraight);
   const Vector3 axis = run.bone.site.axis;
@@ -55,7 +55,7 @@ TEST(BoneView, AToolThatWentAsideCutsBeyondTheIdealCavity) {
   constexpr double kAside_m = 0.4e-3, kLift_m = 1e-6;
   std::vector<Pose> path(3, DeepestPose(run));
   path[0].translation() += 0.05 * Vector3(run.bone.site.axis);
-  // a micrometre higher, so that the deepest pose is the one on the axis
+  // this pose is a micrometre higher, so that the pose on the axis remains the deepest
   path[2].translation() +=
       kAside_m * Vector3(run.bone.site.axis).unitOrthogonal() + kLift_m * Vector3(run.bone.site.axis);
   const CarvedSurface carved = SurfaceOf(run, path);

@@ -47,14 +47,14 @@ LineChart Points() {
 
 TEST(PointMarks, AreDrawnOncePerPointWithinTheAxes) {
   const std::string svg = Svg(Points());
-  EXPECT_EQ(CountOccurrences(svg, "<circle"), 2u + 1u);  // one more in the legend
+  EXPECT_EQ(CountOccurrences(svg, "<circle"), 2u + 1u);  // two points in the drawing, one in the legend
   EXPECT_EQ(CountOccurrences(svg, "first"), 1u);
   EXPECT_EQ(CountOccurrences(svg, "second"), 1u);
   EXPECT_EQ(CountOccurrences(svg, "beyond"), 0u);
 }
 
-// A staircase over three decades: on a linear axis most of its corners would share a pixel column and be
-// dropped. On a logarithmic axis they lie apart, and all must stay.
+// A staircase over three decades. On a linear axis most corners would share a pixel column and be dropped. On
+// a logarithmic axis the corners are apart, and all of them must be drawn.
 TEST(PointMarks, LinesOverLogarithmicAxesKeepTheirCorners) {
   LineChart chart = Points();
   chart.series = {{.x = {1.5, 2.0, 2.0, 3.0, 3.0, 900}, .y = {900, 900, 500, 500, 100, 100}}};
@@ -107,7 +107,7 @@ TEST(Rasterise, FillsARectangleWithItsColourAtTwiceTheSize) {
     return std::array{image->rgb[at], image->rgb[at + 1], image->rgb[at + 2]};
   };
   EXPECT_EQ(pixel(30, 10), (std::array<std::uint8_t, 3>{0xff, 0x80, 0x00}));
-  EXPECT_EQ(pixel(5, 10), (std::array<std::uint8_t, 3>{0xff, 0xff, 0xff}));  // on white
+  EXPECT_EQ(pixel(5, 10), (std::array<std::uint8_t, 3>{0xff, 0xff, 0xff}));  // the background is white
 }
 
 TEST(Rasterise, RefusesTextThatIsNoSvgAndPicturesThatAreTooLarge) {

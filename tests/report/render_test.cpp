@@ -34,7 +34,8 @@ BoneMesh SphereMesh(const Vector3& center_m, double radius_m, int parts) {
   return mesh;
 }
 
-// Oracle: the ray through a pixel's centre meets |s d - c| = r at the nearer root of the quadratic.
+// Oracle: the ray s d through a pixel's centre meets the sphere |s d - c| = r at the smaller root s of this
+// quadratic equation.
 TEST(Render, DepthAndNormalOfASphereAreAnalytic) {
   const Camera camera = LookAt({0.02, -0.3, 0.25}, {0, 0, 0}, Vector3::UnitZ(), 900.0, 240, 180);
   const Vector3 center(0.01, 0.005, -0.008);

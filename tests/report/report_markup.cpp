@@ -98,7 +98,7 @@ std::vector<TextBox> TextBoxes(std::string_view svg) {
     TextBox box{.text = std::regex_replace((*it)[6].str(), entity, "'"), .size_px = size};
     const double length = TextWidth(box.text, size);
     const double from = anchor == "start" ? 0.0 : anchor == "middle" ? -length / 2 : -length;
-    // capitals are 0.7 of the size high
+    // a capital's height is 0.7 of the font size
     if ((*it)[5].str().find("rotate(-90") != std::string::npos) {
       box.left = x - 0.7 * size;
       box.right = x;

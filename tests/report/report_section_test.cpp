@@ -29,7 +29,7 @@ TEST(Contour, ACircleHasItsAreaAndRunsCounterClockwise) {
   const auto lines = Contour(grid);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(lines[0].closed);
-  // chords of length h lie h^2/(8 r) inside the arc: 1e-4 of the area at most here
+  // chords of length h lie up to h^2/(8 r) inside an arc of radius r: at most 1e-4 of the area here
   EXPECT_NEAR(Area(lines), std::numbers::pi * 1.3 * 1.3, 3e-3)
       << "positive: counter-clockwise around the inside";
 }
@@ -166,9 +166,9 @@ TEST(CavityError, BoneThatWasNotCutCountsByDirectionButNotInTheSection) {
   const std::vector<Pose> path{Pose::Identity()};
   SyntheticRun run = SphereCavity(0.006, 0.006);
   run.after = StateOf(run.bone.balls);
-  // nothing was cut: the bone before and after are the same, so no surface has been laid bare …
+  // nothing was cut, so the bone has no cut surface to compare …
   EXPECT_EQ(ComputeSection(run.bone, run.after, run.tool, path).error.samples, 0);
-  // … and along directions all of the swept volume is left as bone
+  // … and in every direction all of the swept volume is still bone
   EXPECT_LT(CavityErrorByDirection(run.bone, run.after, run.tool, path).mean_m, -5e-3);
 }
 
@@ -254,7 +254,8 @@ TEST(Section, ADeepHoleShowsItsFloor) {
   EXPECT_NE(SectionDetailSvg(section, run.bone).find("Detail at the deepest place"), std::string::npos);
 }
 
-// After the cut the tool moved on, out of the bone: the detail shows the cut, not the tool's last place.
+// After the cut the tool moved out of the bone. The detail must show the place of the cut, not the tool's
+// last place.
 TEST(Section, DetailOfACutThatTheToolLeftIsWhereTheCutIs) {
   SyntheticRun run = SphereCavity(0.006, 0.006);
   std::vector<Pose> path(2, Pose::Identity());

@@ -19,7 +19,8 @@ double InsideBone(const Vector3& p, const SyntheticParams& params) {
   return std::min(walls, p.norm() - params.cup_radius_m);
 }
 
-// By depth below the cup's surface: 0 cartilage, 1 cortical plate, 2 cancellous bone.
+// Returns the material by the depth below the cup's surface: 0 cartilage, 1 cortical plate, 2 cancellous
+// bone.
 simulation::MaterialIndex MaterialAt(const Vector3& p, const SyntheticParams& params) {
   const double depth_m = p.norm() - params.cup_radius_m;
   return depth_m < 1.6e-3 ? 0 : depth_m < 2.6e-3 ? 1 : 2;

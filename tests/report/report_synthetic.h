@@ -10,7 +10,7 @@
 
 namespace osteon::report {
 
-/// A small run made by hand, for tests of the report: no engine, no servo loop.
+/// A small run made by hand, for tests of the report, without engine and servo loop.
 struct SyntheticRun {
   simulation::Bone bone;
   simulation::Tool tool;
@@ -26,8 +26,8 @@ struct SyntheticParams {
   Vector3 block_m{0.036, 0.036, 0.024};     ///< edges; the cup opens in the middle of the +z face
   double spacing_m{0.9e-3}, cap_m{0.8e-3};  ///< lattice of balls: radius = min(cap, distance to the surface)
   double point_spacing_m{0.6e-3};           ///< lattice of mass points
-  double depth_m{2.0e-3};                   ///< of the tool's apex below the cup's floor
-  double tilt_rad{0.0};                     ///< of the tool, while it circles after the feed
+  double depth_m{2.0e-3};                   ///< depth of the tool's apex below the cup's floor
+  double tilt_rad{0.0};                     ///< tilt of the tool while it circles after the feed
   int ticks{2000}, frames{1000};
 };
 

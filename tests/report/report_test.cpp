@@ -204,8 +204,8 @@ TEST(Report, ListsTheLimitsThatActedWithTheLongestFirst) {
   EXPECT_LT(depth, speed);
 }
 
-// The commanded tool goes deeper than the proxy, which the bone holds back: while the tool is in bone, the
-// chart draws both depths.
+// In bone the commanded tool is deeper than the proxy, because the proxy stays outside the bone. The chart
+// must then draw both depths.
 TEST(Report, DrawsTheCommandedDepthBesideTheProxys) {
   SyntheticRun run = MakeSyntheticRun({.tilt_rad = 0.17});
   for (control::TickRecord& tick : run.ticks) {

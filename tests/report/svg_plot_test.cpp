@@ -180,7 +180,7 @@ TEST(LineChart, DrawsAPeakAtItsPlace) {
   }
   const std::string svg = Svg(chart);
   EXPECT_LT(svg.size(), 120'000u);
-  // y = 100 is the top of the area, at the grid's topmost line
+  // the value y = 100 must lie at the top of the plot's area, at the grid's topmost line
   const auto path = AttributeOf(svg, "path", "d");
   const auto grid = AttributeOf(svg, "line", "y1");
   EXPECT_NE(path.find(" " + grid + "L"), std::string::npos) << path.substr(0, 200) << " … " << grid;

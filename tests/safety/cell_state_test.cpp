@@ -18,8 +18,8 @@ constexpr CellEvent EventOf(int i) { return static_cast<CellEvent>(i); }
 
 // The expected transitions, written by hand: a row per state, an entry per event, in the order of CellEvent
 // (the heading of kExpected abbreviates their names). `.`: the state stays, without an action. Otherwise the
-// entry has the next state's letter and the action's: f follows the arm, h holds, b brakes, p begins the
-// path, r begins to render, c clears the faults, - none.
+// entry has the letter of the next state and the letter of the action: f follow the arm, h hold, b brake, p
+// begin the start path, r begin to render, c clear the faults, - no action.
 //   O off  C checking  R ready  A aligning  H haptic  X cutting  P paused  0 1 2 stops  F fault  Y recovery
 struct Row {
   CellState state;
@@ -84,7 +84,7 @@ std::set<CellState> Reached(CellState from, Allowed&& allowed) {
   return reached;
 }
 
-// Whether the loop forms this event only while every permission for motion is there.
+// Whether the loop raises this event only while every permission for motion is given.
 bool NeedsEveryPermit(CellEvent event) {
   return event == CellEvent::kBeginAligning || event == CellEvent::kBeginRendering;
 }
@@ -99,7 +99,8 @@ TEST(CellState, AnArmAtRestMovesOnlyByTheEventsThatNeedEveryPermission) {
 }
 
 TEST(CellState, AFaultInAnyStateLeadsToTheFaultStateAtRest) {
-  // Any event, then a fault, then rest: the loop forms a fault event in each tick that latches a fault.
+  // Any event comes first, then a fault, then the arm's rest. The loop raises a fault event in each tick that
+  // latches a fault.
   for (int s = 0; s < kCellStates; ++s)
     for (int before = 0; before < kCellEvents; ++before) {
       const CellState at = Next(StateOf(s), EventOf(before)).state;

@@ -45,14 +45,15 @@ TEST(DepthLimit, StopsTheSpindleUntilTheToolIsRetracted) {
   EXPECT_TRUE(stops_at(std::numeric_limits<double>::quiet_NaN())) << "nobody knows how deep";
 }
 
-// Sums the resistance's work over many motions in and out: it must not exceed what its spring has stored.
+// Sums the resistance's work over many motions in and out. The resistance must not give more energy than its
+// spring has stored.
 TEST(DepthLimit, GeneratesNoEnergyOverAnyMotion) {
   DepthLimit limit(FloorAtZero());
   double given_J = 0.0, z = 6e-3;
   for (int i = 0; i < 20'000; ++i) {
     const double v = 0.02 * std::sin(1e-3 * i * 7.0) + 0.01 * std::sin(1e-3 * i * 31.0);
     const double f = limit.Step({0, 0, z}, {0, 0, v}).z(), z_next = z + kDt_s * v;
-    // the mean of the forces at both ends makes the work of a spring exact
+    // the mean of the forces at both ends of a step gives a spring's exact work
     const double f_next = DepthLimit(FloorAtZero()).Step({0, 0, z_next}, kStill).z();
     given_J += 0.5 * (f + f_next) * (z_next - z);
     z = z_next;
@@ -61,8 +62,7 @@ TEST(DepthLimit, GeneratesNoEnergyOverAnyMotion) {
   EXPECT_LE(given_J, -stored_J + 1e-9);
 }
 
-// A hand pushes with 300 N, far more than the resistance: the apex reaches the bound at z = 0 and goes no
-// farther.
+// A hand pushes with 300 N, far more than the resistance. The apex must stop at the bound, z = 0.
 TEST(DepthLimit, ItsBoundHoldsAgainstAHandThatIsStrongerThanItsResistance) {
   WorkspaceParams params{.sphere_radius_m = 1.0};
   params.zones.push_back(ZoneOf(FloorAtZero()));

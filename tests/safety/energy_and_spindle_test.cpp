@@ -1,4 +1,5 @@
-// The energy limits as forces and speeds, the spindle's trip, and the counts of limits that acted.
+// The energy limits, expressed as forces and speeds; the spindle's trip; and the counts of how often limits
+// acted.
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,5 @@
-// Bounds of a coupling at its force limit: the energy that it can give back, and the tool's motion into bone.
+// Two bounds on a coupling at its force limit: on the energy that the coupling can give back, and on the
+// tool's motion into bone.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kStiffness_N_per_m = 20e3;
 
-// The force [N] of a one-dimensional spring at the displacement d_m, scaled by the limit.
+// The force [N] of a one-dimensional spring at the displacement d_m, scaled by the stored-energy limit.
 double Force(StoredEnergyLimit& limit, double d_m) {
   return limit.Step(d_m, 0.5 * kStiffness_N_per_m * d_m * d_m) * kStiffness_N_per_m * d_m;
 }
@@ -74,7 +75,8 @@ TEST(StoredEnergyLimit, DoesNotScaleWithoutABoundNorOutOfBone) {
   EXPECT_EQ(tight.Step(0.0, 0.0), 1.0) << "out of bone nothing has slipped";
 }
 
-// A tool at a depth in bone, with the share of the coupling's force that is rendered; the cut face advances.
+// The input for a tool at a depth in bone: `share` of the coupling's force is rendered, and the cut face
+// advances at advance_m_per_s.
 ForceLimitInput At(double depth_m, double share, double advance_m_per_s = 0.0) {
   return {.displacement_W = Vector3(0.0, 0.0, depth_m),
           .rendered_scale = share,
@@ -88,7 +90,7 @@ TEST(ForceLimitReaction, KeepsTheToolWithinItsZoneBeyondTheForceLimit) {
   Vector3 v = Vector3::Zero();
   for (int i = 0; i < 3000; ++i) {
     reaction.Step(At(depth_m, depth_m > 0.004 ? 0.004 / depth_m : 1.0));
-    Vector3 wanted(0.02, 0.0, -0.05);  // along the face, and into bone
+    Vector3 wanted(0.02, 0.0, -0.05);  // x: along the face; -z: into bone
     const bool limited = reaction.Limit(v, wanted);
     EXPECT_EQ(limited, wanted.z() != -0.05);
     EXPECT_EQ(wanted.x(), 0.02) << "nothing is taken along the face";

@@ -59,7 +59,7 @@ class GuardBench {
   }
 
   GuardMonitor monitor;
-  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // near the end of 32 bits
+  GuardArmMessage arm{.sequence = 4'000'000'000u, .q_meas = StartJoints()};  // large: near 2^32
   std::uint32_t sequence{0};
   rt::Nanoseconds now{rt::kSecond};
 };

@@ -18,9 +18,9 @@ using kinematics::JointVector;
 using planted::Fault;
 
 constexpr int kEpisodes = 40;  // motions in random directions, per fault
-constexpr int kMinCaught = 2;  // some faults show in some directions only, and hold the arm back in others
+constexpr int kMinCaught = 2;  // some faults show in some directions only, and stop the arm early in others
 constexpr int kTicks = 600;    // length of an episode
-constexpr double kSpeed_m_per_s = 0.15;  // of the controller; the guard has the same limit plus a quarter
+constexpr double kSpeed_m_per_s = 0.15;  // the controller's limit; the guard's is a quarter higher
 constexpr double kTurn_rad_per_s = 1.0;
 constexpr double kReach_m = 0.06;   // radius of the workspace's sphere: the tool reaches it within kTicks
 constexpr double kStart_m = 0.012;  // distance from the start to the bound of a zone
@@ -28,7 +28,7 @@ constexpr double kStart_m = 0.012;  // distance from the start to the bound of a
 const Pose& ToolOnFlange() {
   static const Pose X_FT = [] {
     Pose X = Pose::Identity();
-    X.translation() = Vector3(0.06, 0.0, 0.2);  // off the axis of A7, so that A7's angle matters
+    X.translation() = Vector3(0.06, 0.0, 0.2);  // beside the axis of A7, so that A7's angle matters
     return X;
   }();
   return X_FT;
@@ -89,7 +89,7 @@ class Controller {
   JointVector direction_;
 };
 
-// A fault, and for a fault of zones the zone that shows it.
+// A planted fault and, if the fault is in the code of zones, the zone that reveals it.
 struct Row {
   Fault fault;
   const char* name;
@@ -161,14 +161,15 @@ class GuardFaults : public testing::TestWithParam<Row> {
     const Vector3 p = PointsAt(arm_, q_)[at];
     Vector3 toward = AnyDirection();
     if (row.side == ZoneSide::kKeepIn) {
-      // the point is at the middle, or for a half-space kStart_m within
+      // the point starts at the zone's middle; in a half-space, it starts kStart_m from the bound
       if (zone.shape == ZoneShape::kHalfSpace) toward = -zone.R_W.col(2);
       zone.p_W_m = zone.shape == ZoneShape::kHalfSpace ? Vector3(p + kStart_m * toward) : p;
     } else if (zone.shape == ZoneShape::kHalfSpace) {
       toward = zone.R_W.col(2);
       zone.p_W_m = p + kStart_m * toward;
     } else {
-      // the set's surface lies between its middle and its bounding sphere
+      // the zone's surface lies inside its bounding sphere, so the distance from the start to the bound is at
+      // least kStart_m
       zone.p_W_m = p + (zone.half_edge_m.norm() + zone.radius_m + kStart_m) * toward;
     }
     limits.workspace.zones = {zone};
@@ -176,8 +177,8 @@ class GuardFaults : public testing::TestWithParam<Row> {
     return JointsToward(at, toward);
   }
 
-  // Direction in joint space that moves a point of the arm along `way`, by finite differences, without a
-  // fault.
+  // Direction in joint space that moves a point of the arm in the direction `way`. It is computed by finite
+  // differences, with correct kinematics.
   JointVector JointsToward(std::size_t point, const Vector3& way) {
     constexpr double kStep_rad = 1e-6;
     JointVector direction;

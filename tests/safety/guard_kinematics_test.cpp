@@ -12,8 +12,8 @@
 #include "safety/guard_monitor.h"
 #include "tests/kinematics/chain_samples.h"
 
-// This program links the library osteon::guard, but neither osteon::kinematics nor osteon::safety: that it
-// links proves that the guard runs no code of the loop that it supervises. The guard's kinematics is compared
+// This program links the library osteon::guard, but neither osteon::kinematics nor osteon::safety. If the
+// program links, the guard runs no code of the loop that it supervises. The guard's kinematics is compared
 // with KDL and with poses worked out by hand.
 
 namespace osteon::safety {
@@ -124,12 +124,12 @@ TEST(GuardKinematics, EqualsPosturesOfAnIiwaThatWereWorkedOutByHand) {
   q = Joints::Zero();
   q[3] = right;  // A4 about -y: the forearm along -x
   expect(q, 0.78 * z, 0.78 * z - 0.526 * x, 0.78 * z - 0.626 * x, -x);
-  q[2] = right;  // and A3 about z: along -y
+  q[2] = right;  // A3 about z: forearm along -y
   expect(q, 0.78 * z, 0.78 * z - 0.526 * y, 0.78 * z - 0.626 * y, -y);
   q = Joints::Zero();
   q[5] = right;  // A6 about y: the hand along x
   expect(q, 0.78 * z, 1.18 * z + 0.126 * x, 1.18 * z + 0.226 * x, x);
-  q[4] = right;  // and A5 about z: along y
+  q[4] = right;  // A5 about z: hand along y
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);
   q[6] = right;  // A7 turns about the tool's own axis: its x goes from -z to -x
   expect(q, 0.78 * z, 1.18 * z + 0.126 * y, 1.18 * z + 0.226 * y, y);

@@ -29,7 +29,7 @@ void ExpectWithheld(const GuardCommand& command, GuardFinding finding,
   EXPECT_EQ(bench.Answer(command), GuardDecision::kWithhold) << Describe(bench.monitor.reason());
   EXPECT_EQ(Found(bench), finding) << Describe(bench.monitor.reason());
   EXPECT_FALSE(bench.monitor.permits());
-  // latched: not even a harmless command passes
+  // the finding is latched: not even a harmless command passes
   bench.Message(GuardSession::kActive);
   EXPECT_EQ(bench.Answer(GuardBench::StartJoints()), GuardDecision::kWithhold);
   EXPECT_EQ(Found(bench), finding);
@@ -146,8 +146,8 @@ TEST(GuardMonitor, StopsASlowMotionAtTheZonesOfFlangeAndElbow) {
   }
 }
 
-// A zone binds if the arm was inside when it was handed over. Here the first command is already past the
-// bound, but within the margin, and must pass.
+// A zone binds if the arm was inside it when the arm was handed over to the PC. Here the first command is
+// already beyond the zone's bound, but within the guard's margin, and must pass.
 TEST(GuardMonitor, StopsASlowMotionOutOfAZoneInWhichTheArmWasHandedOver) {
   GuardParams params = GuardBench::Params();
   params.workspace.zones = {
@@ -185,8 +185,8 @@ TEST(GuardMonitor, AnArmThatStartsOutsideMayComeInButNotGoOutAgain) {
   EXPECT_EQ(Found(bench), GuardFinding::kWorkspace);
 }
 
-// A compliant arm sags when it is handed over. The controller then commands the measured posture at once, as
-// fast as the joints may move, which is faster than the tool may.
+// A compliant arm sags when it is handed over to the PC. The controller then commands the measured posture as
+// fast as the joints' speed limits permit, which is faster than the tool's speed limit.
 TEST(GuardMonitor, ACompliantArmMayStepFasterOnlyTowardItsMeasuredPosture) {
   const auto judge = [](bool compliant, double measured_rad, double step_rad) {
     GuardBench bench;
@@ -349,7 +349,7 @@ TEST(GuardMonitor, AControllerThatFallsSilentWithTheArmAtRestMayComeBack) {
   }
   EXPECT_FALSE(bench.monitor.latched());
   EXPECT_FALSE(bench.monitor.permits());
-  bench.sequence = 0;  // a new process
+  bench.sequence = 0;  // the controller was started anew
   EXPECT_EQ(bench.Answer(GuardBench::StartJoints()), GuardDecision::kPass);
   EXPECT_TRUE(bench.monitor.permits());
 }
@@ -359,7 +359,7 @@ TEST(GuardMonitor, TheGuardsOwnDelayDoesNotCountAsTheControllersSilence) {
   ASSERT_TRUE(bench.RunUntilArmFollows());
   bench.Message(GuardSession::kActive);
   ASSERT_EQ(bench.Answer(Moved(0, 1e-4)), GuardDecision::kPass);
-  bench.Message(GuardSession::kActive);  // the message arrived, and then the guard slept
+  bench.Message(GuardSession::kActive);  // arrives, then the guard stalls
   bench.now += 100 * rt::kMillisecond;
   bench.monitor.CheckSilence(bench.now);
   EXPECT_TRUE(bench.monitor.permits());

@@ -1,6 +1,6 @@
-// The guard with controllers that do anything: for any sequence, no command that passes is beyond a limit.
-// The oracle has the arm's closed-form kinematics and its own arithmetic; it sees only the passed commands
-// and their times.
+// The guard with controllers that send anything. For any sequence of commands, no command that the guard
+// passes may exceed a limit. The oracle uses the arm's closed-form kinematics and its own arithmetic. It gets
+// only the passed commands and their times.
 
 #include <cmath>
 #include <limits>
@@ -13,10 +13,10 @@
 namespace osteon::safety {
 namespace {
 
-// two kinematics of one arm differ by rounding: 1e-15 m in steps of 1e-9 m
+// guard and oracle compute the arm's kinematics differently; rounding is 1e-15 m in steps of 1e-9 m
 constexpr double kSlack = 1.0 + 1e-6;
 
-// Checks each command that the guard passed, from the one before and the time between them.
+// Checks each command that the guard passed, by the previous passed command and the time between both.
 class Oracle {
  public:
   Oracle() : before_(GuardBench::StartJoints()) {}

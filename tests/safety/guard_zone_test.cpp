@@ -72,8 +72,8 @@ TEST(GuardZone, MovesAndRotatesWithItsPose) {
     }
 }
 
-// A Euclidean distance changes by at most the length of a step, and by the full length along its gradient.
-// From outside, a step against the gradient by the distance ends on the surface.
+// A Euclidean distance changes by at most the length of a step. Outside the zone, its gradient has the length
+// 1, and a step against the gradient by the distance ends on the zone's surface.
 TEST(GuardZone, DistancesFromOutsideAreEuclidean) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> within(-0.6, 0.6);

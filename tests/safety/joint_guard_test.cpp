@@ -29,7 +29,7 @@ JointGuardParams Params() {
 TEST(JointGuard, ScalesTheWholeStepByTheFastestJoint) {
   const Guard guard(Params());
   JointVector wanted;
-  wanted << 0.01, -0.005, 0.001, 0.0, 0.0, 0.002, -0.003;  // A1 wants 10 rad/s, 1.35 are allowed
+  wanted << 0.01, -0.005, 0.001, 0.0, 0.0, 0.002, -0.003;  // A1 requests 10 rad/s; 1.35 are allowed
   const Guard::Result result = guard.Limit(JointVector::Zero(), wanted, kDt_s);
   EXPECT_NEAR(result.share, 0.135, 1e-12);
   EXPECT_TRUE(result.step.isApprox(0.135 * wanted, 1e-12));
@@ -78,7 +78,7 @@ TEST(JointGuard, EachDirectionEndsAtItsOwnLimit) {
   EXPECT_FALSE(guard.Limit(q, JointVector::Zero(), kDt_s).violated);
 }
 
-// Such a step comes from an inverse kinematics that changed to another branch.
+// Such a step occurs if the inverse kinematics changes to another branch.
 TEST(JointGuard, AStepOfRadiansIsAJumpAndIsNotMade) {
   const Guard guard(Params());
   JointVector wanted = JointVector::Zero();

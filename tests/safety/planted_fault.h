@@ -7,34 +7,34 @@ namespace osteon::planted {
 
 enum class Fault {
   kNone,
-  // kinematics::SerialChain: its constructor, Walk (Place, FlangePose) and FillJacobian (Jacobian,
-  // JacobianAt)
+  // faults of kinematics::SerialChain: in its constructor, in Walk (used by Place and FlangePose) and in
+  // FillJacobian (used by Jacobian and JacobianAt)
   kJointSign,       // A2 turns in the opposite direction
   kJointAxis,       // A3 is tilted in the opposite direction
   kJointOrigin,     // A3 is displaced by 30 mm sideways
-  kJointZero,       // A4's zero is off by 0.1 rad
+  kJointZero,       // A4's zero is wrong by 0.1 rad
   kFlangeOrigin,    // the flange is 30 mm farther out
   kFlangeAxis,      // the flange is turned by 1 rad
   kJacobianSign,    // A1's column has the wrong sign
-  kJacobianOffset,  // levers from 300 mm beside the axes
-  kJacobianAxis,    // A2's column about another axis
-  // safety::ZoneBounds: its constructor, KeepIn, KeepOut, the helpers of the two, distance_m
+  kJacobianOffset,  // levers are taken from points 300 mm beside the axes
+  kJacobianAxis,    // A2's column is computed for another axis
+  // faults of safety::ZoneBounds: in its constructor, KeepIn, KeepOut, the helpers of both, and distance_m
   kZoneSign,         // the displacement from the point to the zone has the wrong sign
   kZoneOrigin,       // the zone is displaced
   kZoneAxis,         // the zone's rotation is inverted
   kZoneDirection,    // the resulting directions are rotated by the inverse
-  kInHalfSpaceSign,  // KeepIn …
-  kInBoxOffset,      // … each 20 mm
+  kInHalfSpaceSign,  // KeepIn: wrong sign
+  kInBoxOffset,      // this and the other offsets of KeepIn are 20 mm
   kInCylinderOffset,
   kInCylinderEndSign,
   kInSphereOffset,
   kAxisOffset,        // a capsule's axis is 20 mm longer
-  kOutHalfSpaceSign,  // KeepOut …: away from the set instead of toward it
+  kOutHalfSpaceSign,  // KeepOut: the direction away from the set instead of toward it
   kOutBoxOffset,
   kOutCylinderOffset,
   kOutSphereOffset,
-  kOutSphereSign,  // as for the half-space
-  kGapsSign,       // the same for boxes and cylinders
+  kOutSphereSign,  // the same fault for a sphere
+  kGapsSign,       // the same fault for boxes and cylinders
   kMaxOfAll,       // distance_m: the farthest face instead of the nearest
 };
 

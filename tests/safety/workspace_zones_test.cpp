@@ -82,8 +82,8 @@ TEST(WorkspaceZones, AStopFromAnyAllowedStateEndsInside) {
   }
 }
 
-// An arm that lags by some ticks and smooths the motion exceeds the bounds at most by the corner that it
-// cuts.
+// An arm that lags by some ticks and smooths the motion exceeds the bounds at most by the corner of the path
+// that it cuts off.
 TEST(WorkspaceZones, AnArmThatLagsStaysInsideUpToTheCornersThatItCuts) {
   Draw draw(13);
   for (int i = 0; i < kRooms; ++i) {
@@ -120,14 +120,14 @@ TEST(WorkspaceZones, AToolPushedAgainstAPlaneAtASlantSlidesAlongIt) {
       ASSERT_LT((next - next.dot(inward) * inward - along).norm(), 1e-9) << "room " << i << ", tick " << tick;
       ASSERT_LT((next - v).norm(), 1.001 * kStop_m_per_s2 * kDt_s) << "room " << i << ", tick " << tick;
       v = next;
-      p += kDt_s * v + draw.In(1e-8);  // with the joints' rounding
+      p += kDt_s * v + draw.In(1e-8);  // plus an error like that of rounding in the joints
     }
     EXPECT_LT(std::abs(room.Distance(p)), 1e-6);
   }
 }
 
 // First a constant push: the tool slides along the sphere and stops where the push has no component along it.
-// Then a push of equal parts outwards and along the sphere: the tool goes around.
+// Then the push has equal parts outwards and along the sphere: the tool moves around the sphere.
 TEST(WorkspaceZones, AToolPushedAlongTheInsideOfASphereGoesAround) {
   const Workspace room({.sphere_radius_m = 0.1, .deceleration_m_per_s2 = kStop_m_per_s2});
   Vector3 p = Vector3::Zero(), v(0.1, 0.1, 0.0);

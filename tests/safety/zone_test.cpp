@@ -67,7 +67,7 @@ TEST(Zone, TheSignOfTheDistanceSaysOnWhichSideAPointIs) {
       out.side = ZoneSide::kKeepOut;
       const Vector3 p = in.p_W_m + draw.In(0.6);
       const double in_m = ZoneBounds(in, p).distance_m(), out_m = ZoneBounds(out, p).distance_m();
-      if (std::abs(in_m) < 1e-6 || std::abs(out_m) < 1e-6) continue;  // on the face
+      if (std::abs(in_m) < 1e-6 || std::abs(out_m) < 1e-6) continue;  // too close to the face
       EXPECT_EQ(in_m > 0.0, Inside(in, p)) << static_cast<int>(shape);
       EXPECT_EQ(out_m < 0.0, Inside(in, p)) << static_cast<int>(shape);
     }

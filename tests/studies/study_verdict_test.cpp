@@ -21,7 +21,7 @@ bool HasReason(const session::Verdict& verdict, const std::string& part) {
       verdict.reasons, [&](const std::string& reason) { return reason.find(part) != std::string::npos; });
 }
 
-// Results that are good; each test then spoils one figure.
+// Results that are good; each test then makes one figure bad.
 TuneResult GoodTuning() {
   TuneResult r;
   r.task.loop.mass_kg = 1.7;

@@ -4,14 +4,15 @@
 #include <string_view>
 #include <vector>
 
-// FRI datagrams as hexadecimal text. A short encoder of its own made them once, from the table of field
-// numbers (varints, little-endian doubles, zlib's CRC-32); it shares no code with libprotobuf or the code
-// under test. Sizes and first bytes agree with those observed on arms. The tests that use a datagram state
-// its values.
+// FRI datagrams as hexadecimal text. A separate short encoder generated them once from the table of field
+// numbers, with varints, little-endian doubles and zlib's CRC-32. That encoder shares no code with
+// libprotobuf or the code under test. Sizes and first bytes agree with those observed on arms. The tests that
+// use a datagram state its values.
 
 namespace osteon::io::test::golden {
 
-/// A command with counter 8 and reflected counter 8 only: the answer of 2.5 while monitoring (10 bytes)
+/// A command with only the sequence counter 8 and the reflected counter 8: a client's answer of FRI 2.5 while
+/// monitoring (10 bytes)
 inline constexpr const char* kHeaderOnly = "0a080881800d10081808";
 
 /// kHeaderOnly and a joint position (77 bytes)
@@ -31,16 +32,16 @@ inline constexpr const char* kPositionTorque =
     "3f09000000000000f03f09000000000000f23f09000000000000f43f1a3f09000000000000f03f09000000000000f23f0900"
     "0000000000f43f09000000000000f63f09000000000000f83f09000000000000fa3f09000000000000fc3f";
 
-/// kHeaderOnly in the frame of 2.7 (18 bytes)
+/// kHeaderOnly in FRI 2.7's frame of length and checksum (18 bytes)
 inline constexpr const char* kHeaderOnlyFramed = "0a0000000a080881800d1008180871661e86";
 
-/// kPositionWrench in the frame of 2.7 (137 bytes)
+/// kPositionWrench in FRI 2.7's frame of length and checksum (137 bytes)
 inline constexpr const char* kPositionWrenchFramed =
     "810000000a080881800d1008180812750a3f09000000000000e03f09000000000000e43f09000000000000e83f0900000000"
     "0000ec3f09000000000000f03f09000000000000f23f09000000000000f43f12320a30000000000000f03f00000000000000"
     "4000000000000008400000000000001040000000000000144000000000000018406a769ae7";
 
-/// Monitoring message of 1.x in MONITORING_READY (401 bytes)
+/// Monitoring message of FRI 1.x in MONITORING_READY (401 bytes)
 inline constexpr const char* kMonitoring1 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ad2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -52,7 +53,7 @@ inline constexpr const char* kMonitoring1 =
     "000003c00900000000000002c07a0b0880e2cfaa0610959aef3a220808021003180120012a0d500158016100000000000000"
     "00";
 
-/// Monitoring message of 1.x in COMMANDING_ACTIVE (466 bytes)
+/// Monitoring message of FRI 1.x in COMMANDING_ACTIVE (466 bytes)
 inline constexpr const char* kCommanding1 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ad2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -65,7 +66,7 @@ inline constexpr const char* kCommanding1 =
     "333333333333db3f099a9999999999e13f099a9999999999e53f099a9999999999e93f099a9999999999ed3f09cdcccccccc"
     "ccf03f50015801610000000000000000";
 
-/// Monitoring message of 2.5 in COMMANDING_ACTIVE (564 bytes)
+/// Monitoring message of FRI 2.5 in COMMANDING_ACTIVE (564 bytes)
 inline constexpr const char* kCommanding2_5 =
     "0a0908c2a29101100818071216080710002802280228022802280228022802300238001ae2020a3f099a9999999999b93f09"
     "cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f093333333333"
@@ -80,7 +81,7 @@ inline constexpr const char* kCommanding2_5 =
     "000000e87540000000000000e03f000000000000e03f000000000000e0bf000000000000e03f1a0b080011000000000000d0"
     "3f50015801610000000000000000";
 
-/// Monitoring message of 2.7 in COMMANDING_ACTIVE (624 bytes)
+/// Monitoring message of FRI 2.7 in COMMANDING_ACTIVE (624 bytes)
 inline constexpr const char* kCommanding2_7 =
     "680200000a0908c2a29101100818071216080710002802280228022802280228022802300238001a96030a3f099a99999999"
     "99b93f09cdcccccccccccc3f09666666666666d63f09666666666666de3f09333333333333e33f09333333333333e73f0933"
@@ -96,7 +97,7 @@ inline constexpr const char* kCommanding2_7 =
     "000069c00000000000e87540000000000000e03f000000000000e03f000000000000e0bf000000000000e03f1a0b08001100"
     "0000000000d03f500158016100000000000000008ab320d0";
 
-/// The bytes of a text of lower-case hexadecimal digits.
+/// Converts lower-case hexadecimal digits to bytes.
 inline std::vector<std::uint8_t> FromHex(std::string_view hex) {
   const auto digit = [](char c) { return static_cast<unsigned>(c <= '9' ? c - '0' : c - 'a' + 10); };
   std::vector<std::uint8_t> bytes;

@@ -6,7 +6,8 @@
 #include "tests/io/net/link_bench.h"
 #include "tests/io/net/loopback_socket.h"
 
-// FriLink over UDP on the loopback: peers, strangers, silence, and several arms at once.
+// FriLink over UDP on the loopback: the arm, unknown senders ("strangers"), silence, and several arms at
+// once.
 
 namespace osteon::io {
 namespace {
@@ -19,7 +20,7 @@ using test::Joints;
 using test::Monitoring;
 using test::Soon;
 
-// The arm, or a stranger: a plain UDP socket.
+// A plain UDP socket that plays the arm or a stranger.
 class Peer : public test::LoopbackSocket {
  public:
   explicit Peer(std::uint16_t port) { Connect(port); }
@@ -92,7 +93,7 @@ TEST(FriLink, HearsAndAnswersTheFirstPeerOnly) {
   const auto link = OpenOnAnyPort();
   const Peer arm(link->port()), stranger(link->port());
   ArmState state;
-  stranger.Send({1, 2, 3});  // noise does not make a peer
+  stranger.Send({1, 2, 3});  // an invalid datagram does not make its sender the peer
   arm.Send(1, fri::COMMANDING_ACTIVE);
   ASSERT_EQ(link->Receive(state, Soon()), ReceiveResult::kOk);
   stranger.Send(2, fri::COMMANDING_ACTIVE);
@@ -111,7 +112,7 @@ TEST(FriLink, HearsOnlyTheConfiguredAddress) {
   auto link = FriLink::Open({.arm_address = "127.0.0.2", .port = 0});
   ASSERT_TRUE(link) << link.error();
   const Peer stranger((*link)->port());
-  stranger.Send(1, fri::COMMANDING_ACTIVE);  // valid, and the first
+  stranger.Send(1, fri::COMMANDING_ACTIVE);  // a valid message, and the first one to arrive
   ArmState state;
   EXPECT_EQ((*link)->Receive(state, rt::MonotonicNow() + 20 * rt::kMillisecond), ReceiveResult::kTimeout);
   EXPECT_EQ(state.rejected, 1u);
@@ -153,7 +154,7 @@ TEST(FriLink, OpenErrorsNameTheWrongAddressOrPort) {
   test::ExpectAddressErrors<FriLink, FriLinkParams>("FRI");
 }
 
-// Each arm has a link and a port of its own.
+// Each arm has its own link and its own port.
 TEST(FriLink, SeveralArmsOfDifferentVersionsDoNotDisturbEachOther) {
   struct Arm {
     FriVersion version;
@@ -202,7 +203,7 @@ TEST(FriLink, WarmUpChangesNoAnswerAndSendsNothing) {
   const auto link = OpenOnAnyPort(), plain = OpenOnAnyPort();
   const Peer arm(link->port()), plain_arm(plain->port());
   ArmState state, plain_state;
-  link->WarmUp(ArmCommand{});  // before any message
+  link->WarmUp(ArmCommand{});  // before the arm's first message
   for (std::uint32_t i = 1; i <= 50; ++i) {
     const auto session = i < 5 ? fri::COMMANDING_WAIT : fri::COMMANDING_ACTIVE;
     arm.Send(i, session);

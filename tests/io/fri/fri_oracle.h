@@ -32,14 +32,16 @@ inline control::JointArray Joints(double first) {
   return q;
 }
 
-/// A pose of 2.x: lengths in mm, then the quaternion of a third of a turn about (1, -1, 1) / sqrt(3).
+/// A pose as FRI 2.x sends it: lengths in mm, then the quaternion of a third of a turn about (1, -1, 1) /
+/// sqrt(3).
 inline void PutPose(fri::Transformation* to) {
   to->set_name("flange");
   for (const double element : {100.0, -200.0, 350.5, 0.5, 0.5, -0.5, 0.5}) to->add_element(element);
 }
 
-/// A monitoring message of an arm. 1.x has five joint vectors, 2.x has four and the pose, 2.7 also the
-/// external force. While commanding it has the interpolator's position (in 2.x also its pose).
+/// A monitoring message of an arm. FRI 1.x has five joint vectors. FRI 2.x has four joint vectors and the
+/// pose, and 2.7 also the external force. While the arm is commanded, the message also has the interpolator's
+/// position (in 2.x also its pose).
 inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::SessionState state,
                                             FriFamily family = FriFamily::k1) {
   fri::FRIMonitoringMessage m;
@@ -87,13 +89,13 @@ inline fri::FRIMonitoringMessage Monitoring(std::uint32_t sequence, fri::Session
   return m;
 }
 
-/// The message encoded, without the frame of 2.7.
+/// The encoded message, without FRI 2.7's frame.
 inline std::vector<std::uint8_t> Bytes(const google::protobuf::MessageLite& message) {
   const std::string text = message.SerializePartialAsString();
   return {text.begin(), text.end()};
 }
 
-/// The bytes in the frame of 2.7: their number in front, their CRC-32 behind.
+/// The bytes in FRI 2.7's frame: first their number, then the bytes, then their CRC-32.
 inline std::vector<std::uint8_t> Framed(std::vector<std::uint8_t> bytes) {
   const auto put = [](std::uint32_t v) {
     return std::array{static_cast<std::uint8_t>(v), static_cast<std::uint8_t>(v >> 8),
@@ -106,12 +108,13 @@ inline std::vector<std::uint8_t> Framed(std::vector<std::uint8_t> bytes) {
   return bytes;
 }
 
-/// A message as a datagram of that family.
+/// A message as a datagram of this FRI family.
 inline std::vector<std::uint8_t> Datagram(FriFamily family, const google::protobuf::MessageLite& message) {
   return family == FriFamily::k2_7 ? Framed(Bytes(message)) : Bytes(message);
 }
 
-/// The message inside a datagram of that family; the codec's own tests check the frame.
+/// The message inside a datagram of this FRI family. The frame is not checked here, but by the codec's own
+/// tests.
 inline std::span<const std::uint8_t> Inside(FriFamily family, std::span<const std::uint8_t> datagram) {
   return family == FriFamily::k2_7 && datagram.size() >= 8 ? datagram.subspan(4, datagram.size() - 8)
                                                            : datagram;
@@ -135,7 +138,8 @@ inline control::JointArray Values(const fri::JointValues& joints) {
   return q;
 }
 
-/// Monitoring() with an output and a transformation, so that mutations reach every part of the parser.
+/// The message of Monitoring() with an output and a transformation added, so that mutations reach every part
+/// of the parser.
 inline fri::FRIMonitoringMessage FullMonitoring(std::uint32_t sequence, fri::SessionState state,
                                                 FriFamily family) {
   fri::FRIMonitoringMessage m = Monitoring(sequence, state, family);

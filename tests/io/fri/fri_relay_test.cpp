@@ -7,7 +7,7 @@
 #include "tests/io/net/loopback_socket.h"
 #include "tests/kinematics/iiwa14.h"
 
-// The guard's relay between arm and controller: it carries datagrams that its monitor permits.
+// The guard's relay between arm and controller passes on only the datagrams that the guard's monitor permits.
 
 namespace osteon::io {
 namespace {
@@ -16,8 +16,8 @@ using test::Datagram;
 using test::Monitoring;
 using Bytes = std::vector<std::uint8_t>;
 
-// Arm, relay and controller on the loopback. Arm and controller are plain sockets with libprotobuf's
-// messages.
+// Arm, relay and controller on the loopback. Arm and controller are plain sockets; libprotobuf encodes and
+// decodes their messages.
 class Line {
  public:
   explicit Line(FriVersion version = FriVersion::k1_15) : family_(FamilyOf(version)) {
@@ -53,7 +53,7 @@ class Line {
     test::PutJoints(first, m.mutable_commanddata()->mutable_jointposition());
     return Datagram(family_, m);
   }
-  /// Finds the port from which the relay speaks to the controller, by a first message of the arm.
+  /// Finds the port from which the relay sends to the controller: relays a first message of the arm.
   void LearnRelayPort() {
     arm.Send(Datagram(family_, Monitoring(0, fri::MONITORING_READY, family_)));
     EXPECT_TRUE(relay_->Serve(0));

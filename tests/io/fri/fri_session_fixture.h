@@ -12,11 +12,11 @@ namespace osteon::io {
 /// A session whose first command may be any distance from the arm's pose; libprotobuf plays the arm.
 class FriSessionTest : public ::testing::Test {
  protected:
-  // Delivers a message of the arm with that number and state.
+  // Gives the session a message of the arm with this sequence number and state.
   FriAccept AcceptMessage(std::uint32_t sequence, fri::SessionState state = fri::MONITORING_READY) {
     return session_.Accept(test::Bytes(test::Monitoring(sequence, state)), ++now_, state_);
   }
-  // The session's answer, as the arm reads it, to a loop that commands q and knows the present activation.
+  // The session's answer, as the arm reads it, when the loop commands q and names the present activation.
   fri::FRICommandMessage Answer(const control::JointArray& q) {
     const auto bytes = session_.Answer(control::ArmCommand{.q = q, .activation = state_.activation});
     fri::FRICommandMessage answer;

@@ -5,7 +5,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/fri/fri_session_fixture.h"
 
-// What FriSession answers in each session state, version and mode, and when it passes the loop's commands on.
+// FriSession's answers in each session state, version and command mode, and the conditions under which it
+// passes on the loop's commands.
 
 namespace osteon::io {
 namespace {
@@ -161,8 +162,8 @@ TEST_F(FriSessionTest, MirrorsTheArmsPoseIfItRequestsCartesianPoses) {
   EXPECT_NE(session.Diagnosis().find("CARTESIAN_POSE"), std::string::npos);
 }
 
-// When the arm returns to COMMANDING_ACTIVE, a loop that has not noticed must not move it: its commands carry
-// the number of an older activation.
+// The arm has left COMMANDING_ACTIVE and returned. A loop that has not noticed this must not move the arm:
+// the loop's commands still have the number of the older activation.
 TEST_F(FriSessionTest, HoldsTheInterpolatorsPositionUntilACommandNamesTheActivation) {
   FriSession session;
   std::uint32_t sequence = 0;
@@ -193,7 +194,7 @@ TEST_F(FriSessionTest, HoldsTheInterpolatorsPositionUntilACommandNamesTheActivat
   EXPECT_EQ(state_.activation, 2u);
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.31));
 
-  sequence += 63;  // 63 lost: it may have left and returned
+  sequence += 63;  // 63 messages lost: the arm may have left COMMANDING_ACTIVE and returned
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 2), Joints(0.3));
   EXPECT_EQ(state_.activation, 3u);
   EXPECT_EQ(answer(fri::COMMANDING_ACTIVE, 0.31, 3), Joints(0.31));
@@ -215,8 +216,8 @@ TEST_F(FriSessionTest, HoldsTheLastPositionIfTheCommandIsNotFinite) {
   EXPECT_EQ(Position(Answer(bad)), Joints(0.4));
 }
 
-// After ResetSession() a position that was sent before must not be held: the arm may have moved, or be
-// another.
+// After ResetSession() the session must not hold a position that it sent before: the arm may have moved
+// meanwhile, or may be a different arm.
 TEST_F(FriSessionTest, AfterAResetThePositionBeforeIsNotHeld) {
   control::JointArray bad{};
   bad.fill(std::numeric_limits<double>::quiet_NaN());

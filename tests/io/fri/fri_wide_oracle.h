@@ -13,11 +13,11 @@
 
 // Reads a monitoring message by libprotobuf without loss. The schema is fri.proto with 64-bit fields in place
 // of enums and 32-bit fields, and bytes in place of strings. In a second schema each number and string is a
-// repeated field, so that values which a later one replaces are seen too.
+// repeated field. That schema also keeps the values that a later occurrence of the same field would replace.
 
 namespace osteon::io::test {
 
-/// A message, or a message inside it, as libprotobuf holds it. A null pointer stands for an absent message,
+/// A message or an embedded message, as libprotobuf stores it. A null pointer stands for an absent message,
 /// which has no fields.
 class WirePart {
  public:
@@ -73,7 +73,7 @@ class WirePart {
   const google::protobuf::Message* message_;
 };
 
-/// libprotobuf as a reader that follows all rules of the codec about the wire format.
+/// A reader that uses libprotobuf and applies all rules of the codec about the wire format.
 class WideOracle {
  public:
   WideOracle()
@@ -100,7 +100,7 @@ class WideOracle {
   using FieldProto = google::protobuf::FieldDescriptorProto;
   using FieldDescriptor = google::protobuf::FieldDescriptor;
 
-  // The widened schema; `all`: each number and string is a repeated field.
+  // Builds the widened schema. @param all  true: each number and string is a repeated field
   static const Message* Build(google::protobuf::DescriptorPool& pool,
                               google::protobuf::DynamicMessageFactory& factory, bool all) {
     google::protobuf::FileDescriptorProto file;
@@ -150,9 +150,9 @@ class WideOracle {
     return type == FieldDescriptor::TYPE_UINT64;
   }
 
-  // Whether a message keeps the rules listed above Parse(). @param all  the message is of the schema with all
-  // values, whose numbers and names are checked; false: of the other schema, whose unknown fields and sizes
-  // are checked
+  // Whether a message keeps the rules listed above Parse(). @param all  true: the message has the schema of
+  // repeated fields, and its numbers and names are checked; false: the message has the first schema, and its
+  // unknown fields and sizes are checked
   static bool KeepsRules(const Message& message, bool all = false) {
     const auto& reflection = *message.GetReflection();
     const auto& unknown = reflection.GetUnknownFields(message);

@@ -8,7 +8,8 @@
 #include <vector>
 
 // A protobuf message as a tree, read without a schema, so that a test can change it anywhere and write it
-// back with correct lengths: changes to the bytes alone hardly ever get past the first length.
+// back with correct lengths. If only bytes were changed, the parser would nearly always stop at the first
+// wrong length.
 
 namespace osteon::io::test {
 
@@ -17,7 +18,7 @@ struct WireNode {
   std::uint32_t number{0};
   unsigned type{0};                 ///< wire type
   std::vector<std::uint8_t> bytes;  ///< the value, without tag and length
-  std::vector<WireNode> parts;      ///< in place of `bytes`: the fields of a message inside (type 2)
+  std::vector<WireNode> parts;      ///< in place of `bytes`: the fields of an embedded message (type 2)
 };
 
 /// Appends a number in protobuf's variable length, seven bits a byte.
@@ -38,8 +39,8 @@ inline std::vector<std::uint8_t> WriteTree(const std::vector<WireNode>& nodes) {
   return bytes;
 }
 
-/// The fields of a message; nullopt if the bytes are no message. Text may look like a message by chance,
-/// which does no harm.
+/// The fields of a message; nullopt if the bytes are no message. Text that looks like a message by chance is
+/// read as one, which does no harm.
 inline std::optional<std::vector<WireNode>> ReadTree(std::span<const std::uint8_t> bytes) {
   std::size_t at = 0;
   const auto varint = [&]() -> std::optional<std::uint64_t> {
@@ -124,7 +125,7 @@ class TreeMutator {
     return bytes;
   }
 
-  // A number at the limit of some type or rule, now and then in too many bytes.
+  // A number at the limit of some type or rule, sometimes encoded in more bytes than needed.
   std::vector<std::uint8_t> HostileVarint() {
     constexpr std::uint64_t kValues[]{
         0,           1,          2,          3,          4,           5,     7,           100,
@@ -180,7 +181,7 @@ class TreeMutator {
     if (node.type == 1) node.bytes = Noise(8);
     if (node.type == 2) node.bytes = Noise(Below(20));
     if (node.type == 5) node.bytes = Noise(4);
-    if (node.type == 3) PutVarint(std::uint64_t{node.number} << 3 | 4, node.bytes);  // begins and ends
+    if (node.type == 3) PutVarint(std::uint64_t{node.number} << 3 | 4, node.bytes);  // empty group
     nodes.insert(nodes.begin() + static_cast<std::ptrdiff_t>(Below(nodes.size() + 1)), node);
   }
 

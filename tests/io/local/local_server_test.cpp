@@ -21,7 +21,7 @@
 namespace osteon::io {
 namespace {
 
-// The sockets of this test have a folder of their own, because another cell may run on this machine.
+// These tests use their own folder for sockets, because another cell may be running on this machine.
 class LocalServerTest : public testing::Test {
  protected:
   void SetUp() override { ::setenv(kLocalFolderVariable, sockets().c_str(), 1); }
@@ -53,7 +53,7 @@ TEST_F(LocalServerTest, ASocketWithoutAServerIsRemoved) {
     const auto server = LocalServer::Start("run-2", Echo);
     ASSERT_TRUE(server) << server.error();
     left = (*server)->path();
-    std::filesystem::create_hard_link(left, left.parent_path() / "run-3.sock");  // survives the server
+    std::filesystem::create_hard_link(left, left.parent_path() / "run-3.sock");  // outlives the server
   }
   EXPECT_TRUE(std::filesystem::exists(left.parent_path() / "run-3.sock"));
   EXPECT_TRUE(FindLocalServers().empty());
@@ -115,7 +115,7 @@ TEST_F(LocalServerTest, OnlyRootAndTheFoldersGroupMayAsk) {
     ASSERT_EQ(::chmod(sockets().c_str(), open ? 0750 : 0700), 0);
     const auto server = LocalServer::Start("run-11", Echo);
     ASSERT_TRUE(server) << server.error();
-    ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup), 0);  // as a service's, whose group it is
+    ASSERT_EQ(::chown((*server)->path().c_str(), 0, kGroup), 0);  // as a service of this group does
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kGroup}), open ? 1 : 0) << "a member";
     EXPECT_EQ(AnswersFor(kSomebody, kGroup, {}), open ? 1 : 0) << "whose own group it is";
     EXPECT_EQ(AnswersFor(kSomebody, kOther, {kOther}), 0) << "another user";
@@ -129,8 +129,8 @@ TEST_F(LocalServerTest, AFolderThatIsALinkIsRefused) {
   EXPECT_FALSE(LocalServer::Start("run-5", Echo));
 }
 
-// Each of these connections would block the server forever if sizes and times had no bound. The last request
-// shows that none did.
+// Each of these connections would block the server forever if the server did not limit sizes and times. The
+// last request shows that none blocked it.
 TEST_F(LocalServerTest, HostileConnectionsDoNotBlockTheServer) {
   const auto server = LocalServer::Start("run-6", Echo);
   ASSERT_TRUE(server) << server.error();
@@ -170,7 +170,7 @@ TEST_F(LocalServerTest, ManySilentConnectionsDoNotKeepOthersOut) {
     ASSERT_EQ(::connect(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address), 0);
   }
   EXPECT_EQ(AskLocalServer((*server)->path(), "stop").value_or(""), "<stop>");
-  // the server closed the oldest connection for a newer one, before its time was over
+  // the server closed the oldest connection to accept a newer one, before the oldest one's time limit
   EXPECT_FALSE(ReadLine(silent.front().fd(), 100, kLocalPatience));
 }
 

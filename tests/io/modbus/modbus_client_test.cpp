@@ -22,8 +22,8 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A TCP server of one connection at a time on the loopback; `serve` gets each accepted socket that has bytes,
-// and returns whether it stays open.
+// A TCP server on the loopback that serves one connection at a time. `serve` gets each accepted socket that
+// has bytes, and returns whether the socket stays open.
 class Listener {
  public:
   explicit Listener(std::function<bool(int)> serve) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -71,8 +71,8 @@ class Listener {
   std::thread thread_;
 };
 
-// A PLC by libmodbus' server, with registers 970 … 993: VERSION is 3, RUN_PERMITTED 1, and the PLC's
-// heartbeat (983) counts requests.
+// A PLC made with libmodbus' server, with the registers 970 … 993: VERSION is 3, RUN_PERMITTED is 1, and the
+// PLC's heartbeat (983) counts requests.
 class LibmodbusServer {
  public:
   LibmodbusServer()
@@ -101,10 +101,10 @@ class LibmodbusServer {
     guard_permits = mapping_->tab_registers[23];
     return true;
   }
-  // Before the first Serve only.
+  // Call before the first Serve() only.
   void Set(int address, std::uint16_t value) { mapping_->tab_registers[address - 970] = value; }
 
-  std::atomic<std::uint32_t> heartbeats{0};  // the controller's in the upper half, the guard's in the lower
+  std::atomic<std::uint32_t> heartbeats{0};  // upper 16 bits: the controller's; lower 16 bits: the guard's
   std::atomic<int> motion{0}, guard_permits{0};
 
  private:
@@ -176,7 +176,7 @@ TEST(PlcClient, AGuardWritesOnlyItsOwnRegisters) {
   EXPECT_EQ(plc.guard_permits, 0) << "withdrawn";
 }
 
-// The server closes each connection after five answers.
+// The server closes each connection after five answers; the client must connect again and count this.
 TEST(PlcClient, LostConnectionsAreCountedAndMadeAgain) {
   LibmodbusServer plc;
   std::atomic<int> left{5};
@@ -201,10 +201,11 @@ TEST(PlcClient, AnErrorTellsThatNoPlcListens) {
       << text;
 }
 
-// Each server answers wrongly in its own way. The client must count the error, and must never count as
-// connected or have a reading.
+// Each server's answer has a different error. The client must count the error, must never report that it is
+// connected, and must never return a reading.
 TEST(PlcClient, WrongAnswersNeverBecomeAReading) {
-  // answers a request with these bytes; 0xee at the front: with the request's transaction number
+  // answers a request with these bytes; if they begin with 0xee, the request's transaction number replaces
+  // the first two
   const auto answer = [](int socket, const Bytes& bytes) {
     std::array<std::uint8_t, 300> request;
     const ssize_t size = recv(socket, request.data(), request.size(), 0);
@@ -252,7 +253,7 @@ TEST(PlcClient, WrongAnswersNeverBecomeAReading) {
     EXPECT_EQ(client.Latest().stamp, 0);
     EXPECT_EQ(client.Latest().counters.writes, 0u);
   }
-  // check of the table itself: the unchanged answer is a reading
+  // check of this test's own table: the unchanged answer gives a reading
   const Listener listener([&](int socket) { return answer(socket, good); });
   PlcClient client(QuickParams(listener.port()));
   EXPECT_TRUE(Until(client, [](const PlcReading& r) { return r.inputs.run_permitted; }));

@@ -68,7 +68,8 @@ TEST(PlcMap, OfAnotherVersionReadsOnlyTheVersion) {
   EXPECT_TRUE(inputs.emergency_stop);
 }
 
-// A good reading of 1000 ms is judged at 1050 ms, with at most 60 ms of age. Each change gives one verdict.
+// A good reading with the stamp 1000 ms is judged at 1050 ms; the accepted age is 60 ms. Each change of one
+// condition gives one verdict.
 TEST(PlcMap, EachConditionGivesItsVerdict) {
   const auto verdict = [](auto change) {
     PlcReading reading{.stamp = 1000 * rt::kMillisecond, .link = PlcLink::kConnected};

@@ -62,8 +62,9 @@ class LoopbackSocket {
         static_cast<ssize_t>(bytes.size()));
   }
 
-  /// The next data, up to 3000 bytes; nullopt if nothing came in time. TCP: empty if the far side has closed.
-  /// Loopback delivers within the sender's call, so data that is not here without waiting was never sent.
+  /// The next data, up to 3000 bytes; nullopt if nothing came in time. TCP: empty if the far side has closed
+  /// the connection. Loopback delivers within the sender's call, so data that is not here without waiting was
+  /// never sent.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> Receive(int wait_ms = 0) const {
     pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
     if (poll(&waiting, 1, wait_ms) != 1) return std::nullopt;

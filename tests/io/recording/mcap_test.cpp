@@ -98,7 +98,7 @@ std::string Record(mcap::Opcode opcode, const std::string& content) {
   return record;
 }
 
-/// A channel without a schema, and three messages of it, the last one long.
+/// A channel without a schema, and three messages on this channel; the third message is long.
 std::string MadeRecords() {
   std::string channel, records;
   mcap::AppendInt(channel, std::uint16_t{5});
@@ -119,14 +119,14 @@ std::string MadeRecords() {
   return records;
 }
 
-// A chunk as its record announces it: `size` and `crc` are of the unpacked bytes; crc 0: not given.
+// The contents of a chunk's record. `size` and `crc` are those of the uncompressed bytes; crc 0: not given.
 struct Chunk {
   std::string compression, bytes;
   std::uint64_t size;
   std::uint32_t crc;
 };
 
-// A whole file of these chunks.
+// A complete file that contains these chunks.
 std::string FileOf(const std::vector<Chunk>& chunks) {
   std::string file(mcap::kMagic);
   std::string header, end, footer;

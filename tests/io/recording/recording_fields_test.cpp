@@ -16,7 +16,8 @@ using test::Encoded;
 using test::SomeFrame;
 using test::SomeTick;
 
-// Each field is compared by hand: equal encoded bytes would not show a field that the encoder forgets.
+// The test compares each field separately: a comparison of encoded bytes would not show a field that the
+// encoder forgets.
 TEST(RecordingFields, CarriesEveryFieldOfATick) {
   const control::TickRecord sent = SomeTick(7);
   control::TickRecord r;
@@ -167,8 +168,8 @@ TEST(RecordingFields, CarriesAContactCountOutOfRange) {
   }
 }
 
-// The contact count (field 20) is appended to a frame of three contacts, with another number: the last
-// occurrence of a field counts.
+// The contact count (field 20) is appended to a frame of three contacts, with a different number. In
+// protobuf, the last occurrence of a field is the valid one.
 TEST(RecordingFields, RefusesAContactCountThatDiffersFromTheContacts) {
   for (const unsigned char count : {'\x02', '\x08', '\x14', '\x01'}) {  // sint32: 1, 4, 10, -1
     simulation::FrameRecord r;
@@ -240,7 +241,8 @@ TEST(RecordingFields, KeepsNegativeZeroAndNaN) {
 }
 
 // Recordings of older versions lack later fields. Fields are written in order: 20, the arm's share (a tag of
-// two bytes and a double), then 21, the inputs. So the bytes are cut behind and before field 20.
+// two bytes and a double), then 21, the inputs. So the test cuts the bytes off after field 20, and before
+// field 20.
 TEST(RecordingFields, ATickWithoutTheArmsShareOrTheInputsReadsAsDefaults) {
   const std::string now = Encoded(SomeTick(2));
   const std::size_t share = now.rfind("\xA1\x01");

@@ -16,7 +16,7 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// What a recording loses if its process is killed, if the disk is full, and if its file is removed.
+// Losses of a recording if its process is killed, if the disk is full, and if its file is removed.
 
 namespace osteon::io {
 namespace {
@@ -137,7 +137,7 @@ TEST_F(RecordingLoss, AKilledProcessLosesAtMostOneSecond) {
   }
 }
 
-// Three ticks are pushed, and nothing more: the writer's thread must write them to the file by its own clock.
+// Only three ticks are pushed. The writer's thread must write them to the file without a further push.
 TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   Child child(*shared_, [&](Shared& shared) {
     auto recorder = Recorder::Open({.path = path_}, SomeSession());
@@ -146,7 +146,7 @@ TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
     for (;;) pause();
   });
   std::size_t found = 0;
-  // half a minute at most; a quarter of a second as a rule
+  // waits 30 s at most; the ticks usually appear within 0.25 s
   for (int look = 0; look < 3000 && found < 3; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (const auto recording = ReadRecording(path_)) found = recording->ticks.size();
@@ -154,8 +154,8 @@ TEST_F(RecordingLoss, TicksBeforeASilenceReachTheFile) {
   EXPECT_EQ(found, 3u);
 }
 
-// A limit on the file's size stands for a full disk: the system refuses the same write. Push() must still
-// accept each tick.
+// A limit on the file's size takes the place of a full disk: the system refuses to write in the same way.
+// Push() must still accept each tick.
 TEST_F(RecordingLoss, AFullDiskIsReportedAndDoesNotDisturbTheTick) {
   constexpr std::uint64_t kTicks = 1000;
   Child child(*shared_, [&](Shared& shared) {
@@ -166,7 +166,7 @@ TEST_F(RecordingLoss, AFullDiskIsReportedAndDoesNotDisturbTheTick) {
         Recorder::Open({.path = path_, .tick_capacity = 64, .writer_thread = false}, SomeSession());
     if (!recorder) _exit(4);
     for (std::uint64_t i = 0; i < kTicks; ++i) {
-      if (!(*recorder)->Push(SomeTick(i))) _exit(5);  // the ring is emptied in any case
+      if (!(*recorder)->Push(SomeTick(i))) _exit(5);  // the full disk never blocks the ring
       (*recorder)->Drain();
       shared.pushed.store(i + 1);
     }
@@ -217,8 +217,8 @@ TEST_F(RecordingLoss, AFileThatWasRemovedIsReportedWhileItIsRecorded) {
   EXPECT_NE(error.find("removed or replaced"), std::string::npos) << error;
 }
 
-// A chunk spans at most a quarter of a second of log time, so with a tick every 100 ms at most three are
-// missing in the file.
+// A chunk spans at most a quarter of a second of log time, so with a tick every 100 ms the file lacks at most
+// the last three ticks.
 TEST_F(RecordingLoss, SlowMessagesReachTheFileWithoutAFullChunk) {
   auto recorder = Recorder::Open({.path = path_, .writer_thread = false}, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();

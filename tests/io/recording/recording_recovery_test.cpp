@@ -18,9 +18,9 @@ using test::SomeFrame;
 using test::SomeTick;
 using test::WriteAll;
 
-constexpr std::uint64_t kTicks = 400;  // of the recording below, at 1 kHz
+constexpr std::uint64_t kTicks = 400;  // length of the recording below, at 1 kHz
 
-// The little-endian number of 64 bits at an offset.
+// Reads the little-endian 64-bit number at an offset.
 std::uint64_t IntAt(const std::string& bytes, std::size_t at) {
   std::uint64_t value = 0;
   std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -89,7 +89,7 @@ class RecoverRecordingTest : public testing::Test {
   test::TemporaryFolder folder_;
   std::filesystem::path torn_{folder_.path() / "torn.mcap"}, out_{folder_.path() / "whole.mcap"};
   std::string whole_;       // uncompressed, in many chunks: a message's bytes can be found in it
-  std::string compressed_;  // as it was recorded
+  std::string compressed_;  // compressed, as the recorder writes it
   Recording kept_;
 };
 
@@ -137,7 +137,7 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(read->ticks.size(), recovery.ticks) << "a reader sees as much as is recovered";
   }
-  // cut in the middle of a chunk of many messages, nearly half of them remain
+  // a chunk of many messages is cut in the middle: nearly half of its messages remain
   const Recovery recovery = Recover(whole_.substr(0, start + size / 2));
   EXPECT_GT(recovery.unchecked, 10u);
 }
@@ -145,7 +145,7 @@ TEST_F(RecoverRecordingTest, KeepsEveryCompleteMessage) {
 // In a compressed chunk that is cut off, all complete blocks (128 KiB of records each) are kept.
 TEST_F(RecoverRecordingTest, KeepsTheCompleteBlocksOfACutOffCompressedChunk) {
   const auto chunks = Chunks(compressed_);
-  ASSERT_GE(chunks.size(), 3u);  // the session, up to the event at tick 250, the rest
+  ASSERT_GE(chunks.size(), 3u);  // session; until the event at tick 250; rest
   const auto [start, size] = chunks[1];
   std::size_t before = 0, most_unchecked = 0;
   for (std::size_t cut = start; cut < start + size; cut += 2311) {
@@ -208,7 +208,7 @@ TEST_F(RecoverRecordingTest, SkipsADamagedChunkAndReportsItsPosition) {
 TEST_F(RecoverRecordingTest, FindsTheNextChunkAfterADamagedLength) {
   const auto chunks = Chunks(whole_);
   for (const unsigned byte :
-       {1u, 4u, 8u}) {  // bytes of the length: slightly wrong, beyond the file's end, absurd
+       {1u, 4u, 8u}) {  // damaged byte of the length: slightly wrong, beyond the file, absurd
     std::string bytes = whole_;
     bytes[chunks[2].first + byte] = static_cast<char>(bytes[chunks[2].first + byte] ^ 0x41);
     const Recovery recovery = Recover(bytes);
@@ -253,7 +253,8 @@ TEST_F(RecoverRecordingTest, AnUnreadableFileIsNotReportedAsWhole) {
   EXPECT_EQ(recovery.ticks, kTicks);
 }
 
-// Damage gives the number 0, which is the session's, to the ticks' channel too. Found by libFuzzer.
+// Damage gives the ticks' channel the number 0, which is already the session channel's number. Found by
+// libFuzzer.
 TEST_F(RecoverRecordingTest, AChannelMayTakeTheNumberOfAnEarlierChannel) {
   std::string bytes = whole_;
   const auto chunks = Chunks(bytes);
@@ -273,7 +274,7 @@ TEST_F(RecoverRecordingTest, AChannelMayTakeTheNumberOfAnEarlierChannel) {
   EXPECT_EQ(LastTick(), kTicks - 1);
 }
 
-// A power cut may leave space that was never written.
+// After a power cut, a file may end with space that was never written, which reads as zeros.
 TEST_F(RecoverRecordingTest, ZerosAtTheEndCountAsACutOffTail) {
   const auto chunks = Chunks(whole_);
   const std::string bytes = whole_.substr(0, chunks[3].first) + std::string(5000, '\0');

@@ -99,8 +99,8 @@ TEST(Recording, TwoEqualRunsGiveEqualBytes) {
   EXPECT_TRUE(first == second);
 }
 
-// A file with uncompressed chunks is read alike. Compression saves at least a fifth, although nearly all
-// values differ.
+// A file with uncompressed chunks gives the same recording. Compression saves at least a fifth of the size,
+// although nearly all values differ.
 TEST(Recording, IsCompressedAndUncompressedFilesAreReadToo) {
   const TemporaryFolder folder;
   const auto plain = folder.path() / "plain.mcap";
@@ -120,7 +120,8 @@ TEST(Recording, DrainSortsByStampAndPutsTicksFirst) {
   const auto path = folder.path() / "merged.mcap";
   auto recorder = Recorder::Open({.path = path, .writer_thread = false}, SomeSession());
   ASSERT_TRUE(recorder) << recorder.error();
-  // Message times in the file's order: ReadRecording keeps the lists apart.
+  // Reads the times of messages in the file's order by McapReader, because ReadRecording returns ticks,
+  // frames and events in separate lists.
   simulation::FrameRecord frame = SomeFrame(0);
   for (const rt::Nanoseconds stamp : {20, 40}) {
     frame.stamp = stamp;
@@ -244,15 +245,15 @@ TEST(Recording, ACutOffFileIsReadUpToItsCut) {
             "it ends early, at byte " + std::to_string(half->read_bytes) + ": the process died");
   for (std::uint64_t i = 0; i < half->ticks.size(); ++i) EXPECT_EQ(half->ticks[i].tick, i);
 
-  WriteAll(path, whole.substr(0, whole.size() - 3));  // all the data, a part of the closing magic
+  WriteAll(path, whole.substr(0, whole.size() - 3));  // cuts off a part of the closing magic bytes
   const auto nearly = ReadRecording(path);
   ASSERT_TRUE(nearly) << nearly.error();
   EXPECT_FALSE(nearly->complete);
   EXPECT_EQ(nearly->ticks.size(), kTicks);
 }
 
-// The file is read while it is recorded: so another program would find it if the recording process were
-// killed.
+// The test reads the file while it is being recorded. Another program would find the same content if the
+// recording process were killed.
 TEST(Recording, AKilledProcessLeavesTheDrainedTicksInTheFile) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "live.mcap";

@@ -31,7 +31,7 @@ std::string Encode(const RsiAnswer& answer, int decimals) {
   return Text({buffer.data(), size});
 }
 
-// The text with the first occurrence of `what` replaced.
+// Returns the text with the first occurrence of `what` replaced by `by`.
 std::string ReplaceFirst(std::string text, std::string_view what, std::string_view by) {
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;

@@ -33,13 +33,13 @@ class RsiSessionTest : public ::testing::Test {
     params.entry_step_deg = entry_step_deg;
     session_.emplace(params);
   }
-  // Passes a robot message to the session, 4 ms after the one before.
+  // Passes a robot message to the session, 4 ms after the previous message.
   RsiAccept AcceptNext(std::uint64_t ipoc, std::uint32_t delay = 0) {
     now_ += 4 * rt::kMillisecond;
     return session_->Accept(test::Bytes(Robot(ipoc, delay)), now_, state_);
   }
-  // Commands A1 and keeps the other axes at their set points. @returns A1's correction in the answer [deg],
-  // read by expat; NaN if there is no answer.
+  // Commands A1 to a1_deg and keeps the other axes at their set points. @returns A1's correction in the
+  // answer [deg], read by expat; NaN if there is no answer.
   double Answer(double a1_deg) {
     ArmCommand command{{a1_deg * kDegree, -80 * kDegree, 70 * kDegree, 0, 50 * kDegree, -5 * kDegree, 9.9}};
     command.activation = activation_.value_or(state_.activation);
@@ -123,7 +123,7 @@ TEST_F(RsiSessionTest, RelativeCorrectionsAddUpWithoutRounding) {
   std::uint64_t ipoc = Settle(1000, 2);
   double sum = 0.0, wanted = 10.0;
   for (int i = 0; i < 3000; ++i, ipoc += 4) {
-    wanted += 1.0 / 30000.0;  // a third of the last decimal: rounded on its own, it would never move
+    wanted += 1.0 / 30000.0;  // a third of the last decimal: rounded alone, each step would be 0
     ASSERT_EQ(AcceptNext(ipoc), RsiAccept::kAccepted);
     sum += Answer(wanted);
   }
@@ -138,11 +138,11 @@ TEST_F(RsiSessionTest, RelativeSumCountsCyclesWithoutAnAnswer) {
     std::uint64_t ipoc = Settle(1000, 1);
     AcceptNext(ipoc);
     EXPECT_NEAR(Answer(11.0), 1.0, 1e-9);
-    AcceptNext(ipoc += 4);  // in time
+    AcceptNext(ipoc += 4);  // RSI got the 1.0 in time
     EXPECT_NEAR(Answer(13.0), 2.0, 1e-9);
-    AcceptNext(ipoc += 4, 1);  // the 2.0 came too late and was dropped; with HOLDON the 1.0 was applied again
+    AcceptNext(ipoc += 4, 1);  // RSI drops the late 2.0; with HOLDON it repeats the 1.0
     EXPECT_NEAR(Answer(13.0), hold_on ? 1.0 : 2.0, 1e-9);
-    AcceptNext(ipoc += 12, 3);  // the answer was in time; then two cycles' messages were lost
+    AcceptNext(ipoc += 12, 3);  // the last answer arrived in time; then the messages of two cycles were lost
     EXPECT_NEAR(Answer(13.0), hold_on ? -2.0 : 0.0, 1e-9);
     EXPECT_EQ(session_->status().delay, 3u);
   }

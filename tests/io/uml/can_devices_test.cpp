@@ -76,8 +76,7 @@ TEST(CanDevices, AtiSensorMeasuresTheLoadOverVcan) {
 
 TEST(CanDevices, DriveReachesItsSpeedAndMeasuresTorqueOverVcan) {
   ReamerDriveParams params{.node = 16, .gear_ratio = 20, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40};
-  params.heartbeat = 200 * rt::kMillisecond;  // a busy machine may stall a guest for longer than a cell would
-                                              // allow
+  params.heartbeat = 200 * rt::kMillisecond;  // longer than in a cell: a busy machine may stall the guest
   params.missed_cycles = 250;
   auto drive = *ReamerDrive::Make(params);
   hil::DriveDevice device({});

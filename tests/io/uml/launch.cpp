@@ -1,6 +1,7 @@
 // launch COMMAND …: runs the command without the processor's extended register sets as seen by ptrace
 // (NT_X86_XSTATE), so that user-mode Linux uses the basic ones. User-mode Linux has a buffer of fixed size
-// for the extended sets: on processors with larger registers (AMX) it ends with "ptrace set fp regs failed".
+// for the extended sets. On processors with larger sets (AMX) user-mode Linux would end with "ptrace set fp
+// regs failed".
 
 #include <linux/audit.h>
 #include <linux/filter.h>
@@ -22,11 +23,11 @@ int main(int argc, char** argv) {
     std::fputs("usage: launch COMMAND …\n", stderr);
     return 2;
   }
-  // Loads the word at this offset of seccomp_data.
+  // Makes the instruction that loads the word at this offset of seccomp_data.
   const auto load = [](std::size_t offset) {
     return sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<unsigned>(offset));
   };
-  // Skips `skip` instructions unless the loaded word equals `value`.
+  // Makes the instruction that skips `skip` instructions unless the loaded word equals `value`.
   const auto skip_unless = [](unsigned value, std::uint8_t skip) {
     return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, skip);
   };

@@ -38,7 +38,7 @@ std::unique_ptr<SocketCanBus> Open(SocketCanParams params = {}) {
 void Shell(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
 void CanSend(const std::string& frame) { Shell("cansend " + std::string(Interface()) + " " + frame); }
 
-// A deadline that a busy machine meets.
+// A deadline that is long enough for a busy machine.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + 20 * rt::kSecond; }
 
 // Frames received until none has come for 100 ms: a busy kernel may pass a frame on after send() returned.
@@ -107,7 +107,7 @@ TEST(SocketCan, ReceivesFramesOfCansend) {
   ASSERT_EQ(bus->Receive(arrival, Soon()), CanResult::kOk);
   EXPECT_EQ(arrival.frame, Frame(0x201, {0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77, 0x88}));
   EXPECT_FALSE(arrival.after_gap);
-  // The two clocks are read one after the other: a stamp may be off by the time in between.
+  // The two clocks are read one after the other: a stamp may be wrong by the time between the two readings.
   EXPECT_GT(arrival.stamp, before - rt::kSecond);
   EXPECT_LE(arrival.stamp, rt::MonotonicNow());
   ASSERT_EQ(bus->Receive(arrival, 0), CanResult::kOk);
@@ -118,7 +118,7 @@ TEST(SocketCan, ReceivesFramesOfCansend) {
 TEST(SocketCan, KernelPassesOnlyFramesThatMatchAFilter) {
   const auto bus = Open({.filters = {{.id = 0x200, .mask = 0x7F0}, {.id = 0x001}}});
   for (const char* frame : {"001#AA", "002#AA", "1FF#AA", "200#AA", "20F#AA", "210#AA",
-                            "00000201#AA",  // extended identifier (29 bits) whose last 11 bits match
+                            "00000201#AA",  // extended identifier (29 bits) whose last 11 bits are 201
                             "201#R"})       // remote transmission request
     CanSend(frame);
   EXPECT_EQ(Received(*bus), (std::vector<std::string>{"001#AA", "200#AA", "20F#AA"}));

@@ -93,7 +93,7 @@ struct FColor {
   FColor(uint8 r, uint8 g, uint8 b, uint8 a) : R(r), G(g), B(b), A(a) {}
 };
 
-/// By the usual formula of components. Unreal's axes are left-handed.
+/// Cross product by the usual formula of components, although Unreal's axes are left-handed.
 inline FVector Cross(const FVector& a, const FVector& b) {
   return {a.Y * b.Z - a.Z * b.Y, a.Z * b.X - a.X * b.Z, a.X * b.Y - a.Y * b.X};
 }

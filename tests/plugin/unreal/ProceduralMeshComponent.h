@@ -24,5 +24,5 @@ class UProceduralMeshComponent : public USceneComponent {
   void ClearMeshSection(int32 Section) { Shown.erase(Section); }
   void ClearAllMeshSections() { Shown.clear(); }
 
-  std::map<int32, FMesh> Shown;  // by section
+  std::map<int32, FMesh> Shown;  // the mesh of each section, by its index
 };

@@ -65,7 +65,8 @@ TEST_F(RecordedBoneRun, EqualRunsGiveRecordingsWithEqualBytes) {
   EXPECT_EQ(BytesOf(Run("a.mcap", 1.0)), BytesOf(Run("b.mcap", 1.0)));
 }
 
-// With a thread of its own the states in between may differ, but the last one is the same.
+// If the bone is carved in its own thread, the states in between may differ, but the last state must be the
+// same.
 TEST_F(RecordedBoneRun, EndsWithTheSameBoneOnItsOwnThreadAndOnTheCallers) {
   const auto recording = io::ReadRecording(Run("a.mcap", 0.0));
   ASSERT_TRUE(recording);

@@ -22,7 +22,7 @@ class GainsPanelTest : public testing::Test {
     own_ = control::GainsOf(setup_->config.servo.admittance, setup_->config.servo.coupling);
   }
   decltype(SetUpCell("", std::nullopt)) setup_;
-  control::Gains own_;  // as in the cell's file
+  control::Gains own_;  // the gains of the cell's file
 };
 
 TEST_F(GainsPanelTest, AcceptsOnlyASofterCouplingAndMoreDragThanTheCells) {
@@ -60,8 +60,8 @@ TEST_F(GainsPanelTest, UndoRestoresThePreviousValuesOneByOne) {
   EXPECT_FALSE(nlohmann::json::parse(panel.Json())["can_undo"].get<bool>());
 }
 
-// The coupling is stable for D > a K (drag D, age a of the contact model, stiffness K): twice the drag allows
-// twice the age.
+// The coupling is stable if D > a K, with the drag D, the contact model's age a and the stiffness K. Twice
+// the drag must therefore permit twice the age.
 TEST_F(GainsPanelTest, TheLargestStableAgeGrowsWithTheDrag) {
   GainsPanel panel(setup_->config);
   const double before = nlohmann::json::parse(panel.Json())["stable_age_ms"];

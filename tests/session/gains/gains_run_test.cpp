@@ -20,15 +20,15 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// What remains of a run: result, recording, and the notices to the operator.
+// The output of a run: its result, its recording, and the notices to the operator.
 struct GainsRide {
   CellRunResult result;
   io::Recording recording;
   std::vector<std::string> notices;
 };
 
-// Writes a file with a modification time of its own for each version, whatever the resolution of the disk's
-// clock.
+// Writes a file whose modification time differs for each version, even if the file system stores times
+// coarsely.
 void Save(const fs::path& file, const std::string& text, int version) {
   std::ofstream(file) << text;
   fs::last_write_time(file,
@@ -103,8 +103,7 @@ TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit)
   EXPECT_EQ(replay.ticks, ticks.size());
 }
 
-// All axes of the drill are locked but the one along which it drills, while the simulated hand also pulls
-// aside.
+// All axes of the drill except the drilling axis are locked, while the simulated hand also pulls sideways.
 TEST(GainsRun, ADrillWithLockedAxesStaysOnItsLineThroughoutTheRun) {
   config::CellConfig cell;
   const VirtualRun ride = RunInVirtualTime("thin_plate", 10.0, [&](config::CellConfig& config) {

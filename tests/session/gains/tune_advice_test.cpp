@@ -76,7 +76,8 @@ TEST(TuneAdvice, ThePanelShowsTheMarginOfThePresentGains) {
   EXPECT_EQ(tune().at("margin"), 1.12);
   EXPECT_EQ(tune().at("wall_N_per_m"), 40e3);
   EXPECT_EQ(tune().at("recommended").at("drag_Ns_per_m"), drag - 2.0);
-  // a larger drag keeps the margin; between two points of the map the lower one counts
+  // a larger drag keeps the margin; between two drags of tune's map, the panel states the softer of their two
+  // walls
   using Kind = console::GainsRequest::Kind;
   ASSERT_TRUE(panel.Request({.kind = Kind::kDrag, .value = 2.5 * drag}).done);
   EXPECT_EQ(tune().at("margin"), 1.12);

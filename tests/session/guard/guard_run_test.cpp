@@ -15,8 +15,8 @@ namespace {
 
 using control::SessionState;
 
-// The answer that the link sends in a tick. As FriSession does, it repeats the arm's own position until the
-// arm takes commands and the loop has named the arm's activation.
+// The answer that the link sends in a tick. Like FriSession's answer, it repeats the arm's own position until
+// the arm accepts commands and the loop has named the arm's activation.
 safety::GuardCommand AnswerOf(const control::TickRecord& tick) {
   const control::TickInput& in = tick.input;
   const bool mirrors = tick.session_state != static_cast<std::uint8_t>(SessionState::kCommandingActive) ||
@@ -89,7 +89,8 @@ TEST(GuardRun, ATorqueOverlayPasses) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// Compliance moves the tool's head or the bone, not the rigid tool that the guard computes.
+// Compliance moves the tool's head or the bone. The guard computes the poses of a rigid tool, so compliance
+// must not make it stop the arm.
 TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
     SCOPED_TRACE(name);
@@ -115,8 +116,8 @@ TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
   ExpectAllPasses("thin_plate_impedance", ride, 0.25);
 }
 
-// The drill is allowed a thrust of 20 N only: the loop finds the deflection, and the guard lets the arm
-// brake.
+// The drill's permitted thrust is only 20 N. The loop detects the deflection and brakes, and the guard must
+// pass the commands that brake.
 TEST(GuardRun, TheLoopsOwnStopForATooLargeDeflectionPasses) {
   const VirtualRun ride = RunInVirtualTime(
       "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });

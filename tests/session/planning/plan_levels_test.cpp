@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-// A packing, its measured error of removal, and the forces that a hand feels in its run.
+// A packing, its measured error of removal, and the forces in its run.
 struct Level {
   PackedLevel packed;
   double error_m{0.0};
@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PlanLevels,
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
 // The fine cells reach half a spacing deeper than the cut. If they did not, a row of cells beside the hole
-// would turn coarse between these two spacings, and the error would be 1.37 times the predicted one.
+// would change from fine to coarse between the two spacings of this test, and the error would be 1.37 times
+// the predicted error.
 TEST(PlanLevel, TheErrorStaysNearThePredictedOneAtTwoNeighbouringSpacings) {
   const auto scene =
       LoadPlanScene({.scene = "sawbone_block", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
@@ -81,8 +82,8 @@ TEST(PlanLevel, TheErrorStaysNearThePredictedOneAtTwoNeighbouringSpacings) {
   }
 }
 
-// Several engines take turns of 25 frames. In the first three of a turn the caches hold another engine's
-// data, so their times do not count; the engine runs these frames all the same.
+// Several engines take turns of 25 frames. In the first three frames of a turn the caches still contain
+// another engine's data. The engine computes these frames, but their times are not used.
 TEST(PlanLevel, SamplesAreTheFramesInContactExceptTheFirstThreeOfATurn) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});
@@ -112,8 +113,8 @@ TEST(PlanLevel, SamplesAreTheFramesInContactExceptTheFirstThreeOfATurn) {
   EXPECT_GT(samples, touching * 4 / 5);
 }
 
-// With a large accepted error the plan takes a tool with fewer balls; the bone that this tool leaves may take
-// up a tenth of the error.
+// With a large accepted error the plan chooses a tool with fewer balls. The bone that remains between this
+// tool's balls may use up to a tenth of the error.
 TEST(PlanTool, AToolWithFewerBallsLeavesLessThanATenthOfTheError) {
   const auto scene =
       LoadPlanScene({.scene = "thin_plate", .cell = {}, .config_root = OSTEON_SOURCE_DIR "/config"});

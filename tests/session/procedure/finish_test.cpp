@@ -13,8 +13,8 @@
 namespace osteon::session {
 namespace {
 
-// Asks a session to finish whenever the previous request was answered. Keeps each answer that differs from
-// the one before.
+// Asks a session to finish again as soon as the previous request was answered. Keeps each answer that differs
+// from the previous answer.
 struct Asker {
   ProcedureSession* session;
   std::vector<std::string> reasons{};  // why the request was refused; empty: done
@@ -35,13 +35,14 @@ struct Asker {
 TEST(Finish, IsRefusedUntilConfirmedThenSavesTheBoneAndEndsTheRun) {
   Rig rig("finished", 14.0);
   Asker asker{rig.session.get()};
-  // at first without the word `confirmed`, after the first pass with it
+  // the first three requests lack the word `confirmed`; after a pass, later requests have it
   rig.params.ticked = [&](const control::TickRecord&, const simulation::ContactModel&) {
     const bool has_cut = rig.session->File().PassesLeft() > 0;
     asker.Ask(has_cut && asker.reasons.size() >= 3);
   };
   rig.Run();
-  // the answers: before the first cut; in bone; clear again; confirmed; and to one more request afterwards
+  // the answers to five requests: before the first cut, in bone, clear of bone again, with `confirmed`, and
+  // once more afterwards
   ASSERT_EQ(asker.reasons.size(), 5u) << testing::PrintToString(asker.reasons);
   const std::string not_done =
       "finish: the plan is not finished: no pass of its last tool, 50 mm, counts; `finish confirmed` ends "

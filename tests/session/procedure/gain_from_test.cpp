@@ -1,4 +1,4 @@
-// The guidance's gain that a trainee's earlier sessions give: less with each session that was passed.
+// The guidance's gain as computed from a trainee's earlier sessions: each passed session lowers it.
 
 #include <filesystem>
 #include <fstream>

@@ -8,14 +8,14 @@
 namespace osteon::session {
 namespace {
 
-// A sensor that bears a tool of this mass.
+// The parameters of a sensor with a tool of this mass.
 control::ForceSensorParams Load(double mass_kg) {
   return {.X_FS = {}, .tool_mass_kg = mass_kg, .tool_center_F_m = Vector3(0.0, 0.0, 0.1)};
 }
 
-// The expected readings are m g against W's z, in the frame of a rotated sensor, plus a constant bias. They
-// change as the tool is changed: as expected, not at all (no reamer on the shaft), or as with the
-// neighbouring size.
+// A reading is the tool's weight m g along W's -z, in the frame of a rotated sensor, plus a constant bias.
+// After a change of tool the new reading is one of three: that of the right reamer, that without a reamer, or
+// that of the neighbouring size.
 TEST(LoadStep, AMissingReamerIsFoundButANeighbouringSizeIsNot) {
   Pose X_WF = Pose::Identity();
   X_WF.linear() = Eigen::AngleAxisd(2.5, Vector3(1.0, 2.0, 0.5).normalized()).toRotationMatrix();
@@ -48,7 +48,7 @@ TEST(LoadStep, OnlyReadingsDuringAPauseCount) {
   EXPECT_NEAR(readings.first_S().z(), 5.0, 1e-12);
   EXPECT_NEAR(readings.newest_S().z(), 6.0, 1e-12);
   run(safety::CellState::kPaused, 100, 6.0);
-  readings.Restart();  // what was read since the last mean belongs to the old tool
+  readings.Restart();  // the readings since the last mean belong to the old tool
   run(safety::CellState::kPaused, PausedReadings::kTicksUntilKnown, 7.0);
   ASSERT_TRUE(readings.known());
   EXPECT_NEAR(readings.first_S().z(), 7.0, 1e-12);

@@ -16,7 +16,8 @@ struct Frames {
   rt::Nanoseconds stamp{rt::kSecond};
   int began{0}, ended{0};
 
-  /// Feeds `count` equal frames. @param removed_m3  bone that each removes @param spindle  speed [rad/s]
+  /// Feeds `count` equal frames. @param removed_m3  bone that each frame removes @param spindle  speed
+  /// [rad/s]
   void Run(int count, double removed_m3, int contacts, double spindle = 26.0) {
     for (int i = 0; i < count; ++i) {
       model.removed_volume_m3 += removed_m3;
@@ -49,7 +50,7 @@ TEST(PassDetector, AToolThatReturnsWithinHalfASecondContinuesItsPass) {
   for (int i = 0; i < 5; ++i) {
     frames.Run(50, 1e-9, 3);
     frames.Run(100, 0.0, 0);  // lifted for 0.2 s
-    frames.Run(100, 0.0, 2);  // and rubs
+    frames.Run(100, 0.0, 2);  // touches bone for 0.2 s without cutting
   }
   EXPECT_EQ(frames.began, 1);
   EXPECT_EQ(frames.ended, 0);
@@ -61,8 +62,8 @@ TEST(PassDetector, RemovalWithTheSpindleStoppedIsNoPass) {
   EXPECT_EQ(frames.began, 0);
 }
 
-// Removed bone is counted in mass points, which vanish one by one. Between two of them the cut goes on, as
-// the advance of the cut face shows.
+// The removed volume changes only when a mass point is removed. Between two mass points the cut goes on; the
+// detector must see this by the advance of the cut face.
 TEST(CutDetector, AnAdvancingCutFaceCountsAsACutBetweenTwoMassPoints) {
   CutDetector cut;
   simulation::ContactModel model;
@@ -93,7 +94,7 @@ TEST(PassDetector, ARestoredStateOfTheBoneIsNoCut) {
   frames.model.removed_volume_m3 = 0.0;  // an undo
   frames.Run(1, 0.0, 0);
   frames.passes.Restart();
-  frames.model.removed_volume_m3 = 1e-6;  // and a resume from a later state
+  frames.model.removed_volume_m3 = 1e-6;  // a resume from a later state
   frames.Run(300, 0.0, 0);
   EXPECT_EQ(frames.began, 1);
   EXPECT_EQ(frames.ended, 1);

@@ -46,7 +46,7 @@ inline const CellSetup& PackedCell(double diameter_mm) {
 struct Rig {
   struct Choice {
     double seconds{1.0};                  // length of the run
-    const SessionFile* resumed{nullptr};  // the session that goes on; null: a new one
+    const SessionFile* resumed{nullptr};  // the session to continue; null: a new session
     bool guided{false};                   // with the guidance of the demo's plan
     bool scripted{true};                  // tools are changed by a script, not by requests
   };
@@ -63,7 +63,7 @@ struct Rig {
     setup = std::make_unique<CellSetup>(PackedCell(first_mm));
     procedure::SurgicalPlan plan;
     plan.name = "two";
-    for (const double height_mm : {-1.0, -2.0})  // of the tools' apexes: the second reamer goes 1 mm deeper
+    for (const double height_mm : {-1.0, -2.0})  // of the apexes: the second reamer goes 1 mm deeper
       plan.tools.push_back(
           {.diameter_m = 1e-3 * list.diameters_mm[plan.tools.size()], .height_m = 1e-3 * height_mm});
     if (choice.guided) {

@@ -100,7 +100,7 @@ TEST_F(ProcedureRun, ARunThatMadeAllItsToolChangesNamesNoneAsMissed) {
   EXPECT_TRUE(rig_->session->File().missed_changes.empty());
 }
 
-// 5 s are too short for two tools: the hand moves on before the tool can be changed at rest.
+// 5 s are too short for two tools: the scripted hand moves on before the tool can be changed at rest.
 TEST(ShortProcedureRun, ARunThatIsTooShortNamesTheToolChangeItMissed) {
   Rig rig("short_of_time", 5.0);
   rig.Run();

@@ -28,11 +28,11 @@ namespace {
 
 using safety::CellState;
 
-constexpr double kSeconds = 6.0;  // of rendering, in each run
+constexpr double kSeconds = 6.0;  // duration of rendering in each run
 constexpr int kMaxTicks = 9000;   // a run that stays paused ends here
 constexpr double kForceCeiling_N = 200.0, kRounding = 1.0 + 1e-9;
 constexpr int kTicksToRest = 300;            // number of ticks after a fault in which the arm may still brake
-constexpr double kMaxRestMotion_rad = 1e-4;  // largest motion of a joint that counts as standstill
+constexpr double kMaxRestMotion_rad = 1e-4;  // a joint that moves at most so far stands still
 
 /// How a case begins.
 enum class Begins : std::uint8_t {
@@ -86,12 +86,13 @@ class AskedRun {
       rig_.setup->config.injections.injections = {{.from_s = 0.1, .to_s = 0.16, .faults = {.silence = true}}};
       rig_.params.hold_at_fault = true;
       rig_.may_fault = may_fault_ = true;
-      // Recoveries amid the requests: some requests reach the cell while the fault holds it, some afterwards.
+      // Recoveries are inserted in the middle, so that some requests reach the cell while the fault holds it,
+      // and some afterwards.
       for (const int after_ticks : {400, 400})
         asked_.insert(asked_.begin() + static_cast<std::ptrdiff_t>(asked_.size() / 2),
                       {after_ticks, R"({"ask":"recover"})"});
     }
-    // The requests of each case end with these, whatever the random ones are.
+    // After its random requests, each case sends these.
     for (const auto& [after_ticks, text] :
          {std::pair(150, "pause"), {600, "save"}, {50, "resume"}, {500, "guidance 1"}, {1000, "status"}})
       asked_.push_back({after_ticks, text});
@@ -201,7 +202,7 @@ class AskedRun {
     });
   }
 
-  // Checks that the session ended in order, and that every state that it ever saved is still there.
+  // Checks that the session ended properly, and that every state that it saved still exists.
   void CheckFolder() {
     const auto session = ReadSession(rig_.folder);
     if (!session) return Complain(session.error());

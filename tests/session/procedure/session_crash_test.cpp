@@ -1,6 +1,6 @@
 // A session that is killed (SIGKILL) before any of its file operations leaves a folder that resumes at its
-// last pass. A child process ends a pass, undoes it, saves the cup's pose and ends the session. It is killed
-// before its first file operation, then a new child before its second, and so on.
+// last pass. A child process ends a pass, undoes it, saves the cup's pose and ends the session. The first
+// child is killed before its first file operation, the next child before its second, and so on.
 
 #include <sys/mman.h>
 #include <sys/ptrace.h>
@@ -140,7 +140,7 @@ ChildEnd KilledBefore(int operation, const Work& work) {
   return ChildEnd::kFailed;
 }
 
-// Whether this machine lets a process trace its child.
+// Whether this machine permits a process to trace its child.
 bool MayTrace() {
   return KilledBefore(1, [] {}) == ChildEnd::kDone;
 }

@@ -130,13 +130,13 @@ TEST(SessionFile, TheErrorNamesAFolderWithoutASessionAndSuggestsTheRightOne) {
   const auto session = ReadSession(folder);
   ASSERT_FALSE(session);
   EXPECT_NE(session.error().find("session.json"), std::string::npos) << session.error();
-  // the folder of a demo has it one level below
+  // the folder of a demo has the session in a subfolder
   std::filesystem::create_directories(folder / "session");
   std::ofstream(folder / "session/session.json") << "{}";
   EXPECT_NE(ReadSession(folder).error().find("did you mean " + (folder / "session").string() + "?"),
             std::string::npos)
       << ReadSession(folder).error();
-  // a recording lies in its session's folder
+  // the path of a recording instead of its session's folder
   std::ofstream(folder / "session/run_1.mcap") << "x";
   EXPECT_NE(ReadSession(folder / "session/run_1.mcap")
                 .error()

@@ -46,7 +46,7 @@ inline SessionFile SomeSession() {
                      .tool_index = 0,
                      .begin = 5,
                      .end = 7,
-                     .cutting_s = 0.1 + 0.2,  // no short decimal: every digit must come back
+                     .cutting_s = 0.1 + 0.2,  // 0.30000000000000004: every digit must be read back
                      .removed_mm3 = 12.5,
                      .state = "state_1.carved",
                      .state_hash = "a"},

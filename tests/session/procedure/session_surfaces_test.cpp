@@ -1,5 +1,5 @@
-// The carved bone of a session in its recording and on the console: cut by each tool in turn, without undone
-// passes, and with the bone that earlier recordings of the session have cut.
+// The carved bone of a session, in its recording and on the console. It must have the cuts of each tool in
+// turn, but not those of undone passes, and also the cuts of the session's earlier recordings.
 
 #include <algorithm>
 #include <atomic>
@@ -20,7 +20,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kTolerance = 0.08;  // of a pass's volume: the recording's grid is coarse
+constexpr double kTolerance = 0.08;  // share of a pass's volume: the recording's grid is coarse
 
 /// The surface as a console page has it: the newest chunk of every brick.
 class ShownSurface final : public surface::SurfaceSink {

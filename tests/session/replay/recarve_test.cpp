@@ -8,8 +8,9 @@
 namespace osteon::session {
 namespace {
 
-// Runs a cell, then carves its bone again from the recording. Frames are made at the commanded pose under an
-// admittance law and at the measured one under an impedance law: one cell of each.
+// Runs a cell, then carves its bone again from the recording. The simulation computes its frames at the
+// commanded pose under an admittance law, and at the measured pose under an impedance law. The test runs one
+// cell of each kind.
 class RecarveTest : public testing::TestWithParam<const char*> {};
 
 TEST_P(RecarveTest, TheRecordingAloneGivesTheRunsBoneBitForBit) {
@@ -43,8 +44,8 @@ TEST_P(RecarveTest, TheRecordingAloneGivesTheRunsBoneBitForBit) {
   }
   while (frame < recording->frames.size()) recarve.Add(recording->frames[frame++]);
   EXPECT_EQ(recarve.left_out(), 0u);
-  // In virtual time a run ends with a frame that was computed but not yet recorded: the result has one frame
-  // more.
+  // In virtual time a run ends with a frame that was computed but not recorded, so the run's result has one
+  // frame more than the recording.
   EXPECT_NEAR((*fresh)->Snapshot().removed_volume_m3, result->after.removed_volume_m3,
               1e-4 * result->after.removed_volume_m3);
   EXPECT_EQ(recording->frames.back().model.removed_volume_m3, (*fresh)->Snapshot().removed_volume_m3);

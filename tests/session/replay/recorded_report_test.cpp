@@ -62,8 +62,8 @@ TEST_F(RecordedReport, CutsTheBoneInThePackingOfTheRun) {
   EXPECT_EQ(report["events"].size(), run->events.size());
 }
 
-// The first 300 frames in contact are said to take 4.6 ms, more than the 4 ms of the rate, so that the run
-// coarsens its zones.
+// The test states that each of the first 300 frames in contact takes 4.6 ms. This is more than the 4 ms of
+// the frame rate, so the run coarsens its zones.
 TEST_F(RecordedReport, CoarsensTheZonesAfterTheSameFrameAsTheRun) {
   CellSetup setup = PlannedCellSetup("demo", 0.1e-3);
   auto planned = std::make_shared<PlannedCell>(*setup.planned);
@@ -118,7 +118,7 @@ TEST_F(RecordedReport, AcceptsFramesThatWereWrittenBeforeTheirTicks) {
            recording->frames[frame].model.pose_stamp <= recording->ticks[end - 1].stamp;
          ++frame)
       (*recorder)->PushFrame(recording->frames[frame]);
-    (*recorder)->Drain();  // these frames, then their ticks
+    (*recorder)->Drain();  // writes these frames before their ticks
     for (std::size_t i = begin; i < end; ++i) (*recorder)->Push(recording->ticks[i]);
     (*recorder)->Drain();
   }

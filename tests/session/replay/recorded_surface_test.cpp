@@ -10,7 +10,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/set_up_cell.h"
 
-// The carved bone's surface as it is made from a recording, compared with the surface that was made during
+// The carved bone's surface that is made from a recording is compared with the surface that was made during
 // the run.
 
 namespace osteon::session {

@@ -59,7 +59,7 @@ void SetFrameTimes(CellSetup& setup, double us) {
   setup.planned = std::move(planned);
 }
 
-/// What remains of a run of a cell in virtual time.
+/// The results of a cell's run in virtual time.
 struct MeasuredRun {
   CellRunResult result;
   RunSummary summary;
@@ -159,8 +159,8 @@ TEST_P(AdaptiveResolutionRun, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval
   EXPECT_LT(most_m3, 2.0 * calm_most_m3 + 1e-12);
   EXPECT_NEAR(last_m3, calm.result.after.removed_volume_m3, 0.1 * calm.result.after.removed_volume_m3);
 
-  // the wrench steps no more at the exchange of packings than without one
-  // largest change of the coupling force from tick to tick, within 50 ms of the first exchange
+  // Largest change of the coupling force from tick to tick, within 50 ms after the first exchange of
+  // packings. With the exchange it may be at most 3 N larger than without.
   const auto max_force_step_N = [&](const MeasuredRun& of) {
     double most_N = 0.0;
     const auto& ticks = of.recording.ticks;

@@ -17,8 +17,8 @@
 namespace osteon::session {
 namespace {
 
-// The program that asks a running cell meets a local server that is not a cell of this version, or none. It
-// must end with an exit code for any answer.
+// The program that asks a running cell finds no local server, or a server that is not a cell of this version.
+// The program must end with an exit code in every case.
 class AskRunningCellTest : public testing::Test {
  protected:
   void SetUp() override { ::setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1); }

@@ -10,8 +10,8 @@
 #include "tests/session/run/virtual_run.h"
 
 // Runs of shipped cells with compliance (a bending tool, a surface layer, a soft mount) in virtual time. The
-// engines agree as well as without compliance, and a part that the planner leaves rigid would not matter if
-// it were compliant.
+// engines must agree as well as without compliance. If the planner leaves a part rigid, its compliance must
+// hardly change the result.
 
 namespace osteon::session {
 namespace {
@@ -42,7 +42,7 @@ void ExpectSameTicks(const VirtualRun& a, const VirtualRun& b) {
   }
 }
 
-// As RunInVirtualTime, with a chosen engine and without the cell's report.
+// Runs a shipped cell in virtual time with a chosen engine, without the cell's report.
 VirtualRun RideOn(const EngineChoice& choice, const std::string& name, double seconds,
                   void (*change)(config::CellConfig&)) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kConfig = OSTEON_SOURCE_DIR "/config";
-constexpr int kSeeds = 10;  // of the hand's tremor, one for each duration of a frame
+constexpr int kSeeds = 10;  // seeds of the tremor, one for each frame duration
 
 // A tool's file under config/tools, and its diameter.
 struct Tool {
@@ -35,8 +35,8 @@ struct Tool {
 // The cell "femoral_head" with this tool, its bone packed as planned; with a mesh, that bone instead of the
 // head.
 CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = std::nullopt) {
-  // start near the bone, since slow frames limit the tool's speed (model sight); a reamer's centre is its
-  // radius above its apex
+  // start near the bone, because slow frames limit the tool's speed (model sight); the reamer starts higher,
+  // because its centre is a radius above its apex
   const fs::path cell = kConfig / "cells/femoral_head.yaml";
   config::Overlay overlay(cell);
   overlay.Set(fmt::format("start.height_mm={}", tool.diameter_m > 0.02 ? 28 : 4), "the test");
@@ -51,7 +51,7 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
   return std::move(*setup);
 }
 
-// What remains of a run.
+// The results of a run.
 struct Ridden {
   CellRunResult result;
   double max_step{0.0};  ///< largest change of the force per tick, as a fraction of the trip's limit
@@ -96,7 +96,7 @@ TEST_P(FemoralHead, IsCutWithoutATripForAnyFrameDuration) {
     const Ridden ridden = Ride(setup, SecondsToBone(frame_ms), frame_ms, seed);
     EXPECT_EQ(ridden.result.end, control::RunEnd::kSeconds);
     EXPECT_EQ(ridden.result.faults.bits(), 0u);
-    if (frame_ms < 30) {  // planes of 30 ms and more have faded to zero
+    if (frame_ms < 30) {  // with frames of 30 ms the force fades to zero
       EXPECT_GT(ridden.result.after.removed_volume_m3, 0.0);
     }
     EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
@@ -113,8 +113,9 @@ INSTANTIATE_TEST_SUITE_P(Tools, FemoralHead,
                                            Tool{"reamer", 0.050}),
                          [](const auto& param) { return std::string(param.param.name); });
 
-// The coupling turns the force gradually to a new frame's planes. At 10 m/s it turns within one tick, which
-// must give larger steps: otherwise the test above would prove nothing.
+// The coupling turns the force gradually from the old to the new frame's planes, by turn_m_per_s. At 10 m/s
+// the force turns within one tick, which must give larger steps. Otherwise the test above would prove
+// nothing.
 TEST(FemoralHeadSteps, AreLargerIfTheForceTurnsToNewPlanesWithinOneTick) {
   CellSetup setup = PlannedHead({"twist_drill", 0.004});
   const double shipped = Ride(setup, 2.0, 4, 1).max_step;

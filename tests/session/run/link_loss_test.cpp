@@ -6,7 +6,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/session/run/virtual_run.h"
 
-// A cell whose network loses packets, in virtual time. The arm has its default policy: it ends
+// A cell whose network loses packets, in virtual time. The simulated arm has its default policy: it leaves
 // COMMANDING_ACTIVE after 5 lost answers in a row or 25 in a second.
 
 namespace osteon::session {
@@ -41,7 +41,7 @@ TEST(LinkLoss, ALossOfHalfAPercentCausesNoFaultAndIsCountedExactly) {
   EXPECT_EQ(run.summary.link.lost, in["lost"].get<unsigned>()) << "messages";
   EXPECT_EQ(run.summary.link.answers_lost, out["lost"].get<unsigned>())
       << "lost answers, by the sequence numbers that the arm sends back";
-  // the arm misses an answer where its message or the answer was lost
+  // the arm misses an answer if its message or the answer was lost
   EXPECT_EQ(run.cell["arm"]["lost"].get<unsigned>(),
             in["lost"].get<unsigned>() + out["lost"].get<unsigned>());
   ExpectNoJump(run.recording, kMaxStep_rad);

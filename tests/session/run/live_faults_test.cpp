@@ -9,7 +9,7 @@ namespace {
 
 using safety::Fault;
 
-// Counts the ticks that are passed on.
+// Counts the ticks that LiveFaults passes on.
 class Sink final : public io::RecordSink {
  public:
   void TakeTick(const control::TickRecord&) override { ++ticks; }
@@ -33,7 +33,7 @@ TEST(LiveFaults, KeepsTheValueMeasuredWhenTheFaultOccurred) {
   faults.TakeTick(TickOf(control::Phase::kHaptic));
   EXPECT_EQ(faults.Of(Fault::kSensorStale).seen, "");
   faults.TakeTick(TickOf(control::Phase::kStopping, Fault::kSensorStale, 0.101));
-  faults.TakeTick(TickOf(control::Phase::kStopped, Fault::kSensorStale, 0.9));  // ages on at rest
+  faults.TakeTick(TickOf(control::Phase::kStopped, Fault::kSensorStale, 0.9));  // older, at rest
   EXPECT_EQ(faults.Of(Fault::kSensorStale).seen, "the reading is 101 ms old, accepted 100 ms");
   EXPECT_EQ(faults.Of(Fault::kSensorStale).page, "out/run_stop_1.html");
   EXPECT_EQ(faults.Of(Fault::kInterlock).seen, "") << "another one";

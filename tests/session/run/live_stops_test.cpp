@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Counts the records that are passed on.
+// Counts the records that LiveStops passes on.
 class NextSink final : public io::RecordSink {
  public:
   void TakeTick(const control::TickRecord&) override { ++ticks; }

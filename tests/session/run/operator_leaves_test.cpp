@@ -103,7 +103,8 @@ TEST_F(OperatorLeaves, DoesNotPauseOtherCellsAndFreesTheRole) {
   io::TcpStream operates = OpenPage(R"({"ask":"role"})");
   ASSERT_TRUE(AwaitText(operates, R"("mine":true)"));
   operates.Kill();
-  // a page that asks before the server has seen the first one's end is told that another has the role
+  // a new page may ask for the role before the server has noticed that the first page is gone; the answer is
+  // then that another page has the role
   EXPECT_TRUE(Eventually([&] {
     io::TcpStream next = OpenPage(R"({"ask":"role"})");
     std::string got;

@@ -71,7 +71,7 @@ TEST_P(PlantedFault, IsShownWithItsMeasuredValueReactionAndClearing) {
   EXPECT_EQ(card.at("clearing"), text.clearing);
   EXPECT_THAT(card.at("seen").get<std::string>(), HasSubstr(planted.seen));
 
-  // The stop's page is where the JSON says.
+  // The JSON must state the right path of the stop's page.
   StopPages stops({.folder = folder.path(), .stem = "r", .cell = setup->config, .recording = recording});
   const auto run = ReadRun(recording, *setup, stops, nullptr);
   ASSERT_TRUE(run) << run.error();

@@ -128,8 +128,8 @@ TEST(RsiRun, LossesBelowTheTimeoutCauseNoFaultAndAreCountedExactly) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 }
 
-// From 1 s on no answer arrives: RSI counts them as late up to its Timeout and ends, and its silence stops
-// the loop.
+// From 1 s on no answer arrives: RSI counts the answers as late up to its Timeout, then ends. The loop stops
+// because RSI's messages end.
 TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   const auto lost = [](config::CellConfig& cell) {
     Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
@@ -170,8 +170,8 @@ void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
   cell.injections = Loss(hil::Direction::kFromController, 0.02, 1.0, 1e9);
 }
 
-// With absolute corrections and HOLDON 0, a lost answer lets the arm fall back toward its pose at RSI's
-// start, whatever is commanded.
+// With absolute corrections and HOLDON 0, a lost answer has the effect of a correction of zero: the arm jumps
+// back toward its pose at RSI's start, whatever the loop commands.
 TEST(RsiRun, AnArmThatJumpsByItselfIsStoppedAndItsSpeedIsReported) {
   const Ride run =
       RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, std::numeric_limits<double>::infinity()); });

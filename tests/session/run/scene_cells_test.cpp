@@ -99,9 +99,9 @@ TEST(SceneCells, EachIsPackedAsItsSceneSaysAndRunsWithoutAFault) {
 class WholeScript : public ::testing::TestWithParam<const char*> {};
 
 // Runs a cell's script from approach to retraction with the arm's level kServo (lag) and kDynamic (masses,
-// friction, wrong masses in the controller, a compliant mounting). Neither run may fault. Force or removal
-// differ by more than 7 %, which a hand would notice, exactly in the cells whose file asks for the level
-// kDynamic.
+// friction, wrong masses in the controller, a compliant mounting). Neither run may fault. A hand would notice
+// a difference of more than 7 %. Force or removal must differ by more than that in the cells whose file asks
+// for the level kDynamic, and in no others.
 TEST_P(WholeScript, DiffersBetweenTheArmsLevelsOnlyIfTheCellAsksForMasses) {
   auto setup = SetUpCell(kCells / (std::string(GetParam()) + ".yaml"), std::nullopt);
   ASSERT_TRUE(setup) << setup.error();

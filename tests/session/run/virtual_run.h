@@ -36,8 +36,8 @@ struct VirtualRun {
 };
 
 /// Runs a shipped cell and reads its recording.
-/// @param name  of its file under config/cells
-/// @param change  (config::CellConfig&), called before the run
+/// @param name  name of the cell's file under config/cells, without extension
+/// @param change  function of a config::CellConfig&, called before the run to change the cell
 /// @param recoveries  how often the run may recover by itself
 template <class Change>
 VirtualRun RunInVirtualTime(const std::string& name, double seconds, const Change& change,

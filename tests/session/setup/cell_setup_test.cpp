@@ -59,7 +59,7 @@ TEST(ParseCup, RefusesTextThatIsNotSevenFiniteNumbers) {
 TEST(ParseCup, ReturnsAUnitAxisForAnyLengthItAccepts) {
   for (const char* text : {"0,0,0,1e-5,0,0,21", "0,0,0,1e150,0,0,21", "0,0,0,1e300,1e300,0,21"}) {
     const auto cup = ParseCup(text);
-    // it may refuse a length, but must not return an axis that is not a unit vector
+    // ParseCup may refuse an axis of extreme length, but any axis that it returns must be a unit vector
     if (cup) {
       EXPECT_NEAR(Vector3(cup->axis).norm(), 1.0, 1e-12) << text;
     }

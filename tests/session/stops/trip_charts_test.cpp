@@ -53,7 +53,7 @@ TripLimits Limits() {
 // A fault, and what its chart must show.
 struct Case {
   Fault fault;
-  const char* quantity;                     ///< in a panel's title
+  const char* quantity;                     ///< text in a panel's title
   const char* limit;                        ///< text at the limit's line
   std::function<void(TickRecord&)> change;  ///< changes the quantity in a tick
 };
@@ -115,7 +115,7 @@ std::vector<Case> Cases() {
   };
 }
 
-// To show that the quantity is drawn, it is changed in some ticks: the drawing must change as well.
+// The test changes the quantity in some ticks. If the quantity is drawn, the drawing changes as well.
 TEST(TripCharts, ShowTheQuantityOfEachFaultWithItsLimit) {
   const TripLimits limits = Limits();
   for (const Case& c : Cases()) {

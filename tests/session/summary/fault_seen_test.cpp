@@ -31,7 +31,7 @@ TEST(FaultSeen, DistinguishesAPlcThatWithdrewItsPermitFromASilentOne) {
   tick.input.interlock_stamp = rt::kSecond - 104 * rt::kMillisecond;
   tick.input.interlock_reason = static_cast<std::uint8_t>(io::PlcVerdict::kStale);
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "the PLC's registers are too old; the PLC's word: 104 ms old");
-  tick.input.permitted = tick.input.enabled = true;  // from the last block before the silence
+  tick.input.permitted = tick.input.enabled = true;  // read before the silence
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: 104 ms old");
   tick.input.interlock_stamp = 0;
   EXPECT_EQ(SeenAt(Fault::kInterlock, tick), "permitted; the PLC's word: none yet");

@@ -48,7 +48,7 @@ void MakeTicks(const hil::ServoArmParams& params, double speed_rad_per_s, contro
   }
 }
 
-// A meter that has seen the ticks of such an arm.
+// A latency meter that got the ticks of an arm with these parameters.
 LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
   LatencyMeter meter;
   MakeTicks(params, speed_rad_per_s, mode, [&](const control::TickRecord& tick) { meter.Add(tick); });

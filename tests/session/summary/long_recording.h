@@ -15,8 +15,8 @@ namespace osteon::session {
 /// Makes a shipped cell with a reamer and without a bone: enough for reading a recording.
 [[nodiscard]] CellSetup SetupOfLongRun();
 
-/// Writes ticks and frames at 1 kHz with their own clock: a hand that wanders, presses and trembles,
-/// durations that scatter to the nanosecond, a pause every two minutes, a lost message now and then. Equal
+/// Writes ticks and frames at 1 kHz with a clock of their own. The hand wanders, presses and trembles, the
+/// durations vary by nanoseconds, every two minutes there is a pause, and some messages are lost. Equal
 /// arguments give equal bytes.
 void WriteLongRecording(const std::filesystem::path& path, double seconds);
 

@@ -168,7 +168,7 @@ TEST(WriteText, WritesToTheTargetOfALink) {
   const TemporaryFolder folder, elsewhere;
   const auto file = elsewhere.path() / "kept.json", link = folder.path() / "summary.json";
   std::filesystem::create_symlink(file, link);
-  ASSERT_TRUE(base::WriteText(link, "first"));  // its target does not exist yet
+  ASSERT_TRUE(base::WriteText(link, "first"));  // the link's target does not exist yet
   ASSERT_TRUE(base::WriteText(link, "second"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(ReadAll(file), "second");
@@ -187,8 +187,8 @@ TEST(WriteText, KeepsThePermissionsOfTheFileThatItReplaces) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
-// The temporary file has a name of its own for each writer, so that two writers do not overwrite each
-// other's. A file that ends in .part belongs to somebody else.
+// Each writer's temporary file has its own name, so that two writers do not overwrite each other's file. A
+// file that ends in .part therefore belongs to another program.
 TEST(WriteText, DoesNotTouchAFileWithTheEndingPart) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "summary.json", other = folder.path() / "summary.json.part";

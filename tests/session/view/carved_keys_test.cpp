@@ -100,7 +100,7 @@ TEST(CarvedKeys, CarvingFromAStoredStateEqualsCarvingFromTheBeginning) {
     ASSERT_NE(key, nullptr);
     EXPECT_LE(key->at_s, wanted_s);
     EXPECT_GT(key->at_s, wanted_s - CarvedKeys::kFirstStep_s - 0.01);
-    CarvedBone from_key = from_begin;  // shows a later time than the key: JumpTo goes back
+    CarvedBone from_key = from_begin;  // shows a later time than the key; JumpTo goes back in time
     from_key.JumpTo(*key);
     ASSERT_TRUE(GoOnFrom(from_key, *other));
     CarveUpTo(from_key, *other, wanted_s);

@@ -147,7 +147,7 @@ TEST_F(PlaybackTest, ASeekFillsTheHalfMinuteBeforeItWithoutPlaying) {
   Playback playback(std::move(*timeline), feed);
   for (const double at_s : {12.0, 38.0, 7.5, 0.2}) {
     playback.Seek(at_s);
-    const double from_s = std::max(0.0, at_s - 30.0);  // what a strip chart shows
+    const double from_s = std::max(0.0, at_s - 30.0);  // a strip chart shows 30 s
     ASSERT_TRUE(Eventually([&] { return Past(feed).Has(from_s, at_s); })) << at_s;
     const Past past(feed);
     double end_N = past.windows.front().force_N.least;
@@ -184,7 +184,8 @@ TEST_F(PlaybackTest, TheHistoryBeforeATimeDoesNotDependOnEarlierSeeks) {
   EXPECT_EQ(shown({33.0}), shown({39.0, 1.0, 33.1, 33.0}));
 }
 
-// The first chunk after 5 s is damaged: a seek to 12 s loses only older history; playing from 5 s fails.
+// The first chunk after 5 s is damaged. A seek to 12 s must lose only older history; playing from 5 s must
+// fail.
 TEST_F(PlaybackTest, ADamagedChunkBeforeASeekCostsOnlyHistory) {
   const auto damaged = folder_->path() / "damaged.mcap";
   std::filesystem::copy_file(File(), damaged, std::filesystem::copy_options::overwrite_existing);

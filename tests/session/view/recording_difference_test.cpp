@@ -107,7 +107,8 @@ TEST_F(RecordingDifferenceTest, PositionRotationDepthAndVolumeAreCompared) {
   EXPECT_NEAR(json["most"]["removed_mm3"][0], 200.0, 0.1) << "the largest at the end: 50 mm³/s for 4 s";
 }
 
-// A run of 1 kHz beside one of 250 Hz: each tick is compared with the other run's newest, at most 3 ms old.
+// A run of 1 kHz is compared with one of 250 Hz. Each tick is compared with the other run's newest tick,
+// which is at most 3 ms older.
 TEST_F(RecordingDifferenceTest, RunsOfDifferentPeriodsAreComparedAtEqualTimes) {
   const nlohmann::json json = CompareRuns({}, {.period = 4 * rt::kMillisecond});
   EXPECT_NEAR(json["most"]["apart_mm"][0], 0.003, 1e-6) << "1 mm/s for three ticks of 1 ms";

@@ -69,7 +69,7 @@ TEST(BoneScenes, AnAcetabulumHasBallsPointsAndTheThreeTissues) {
   EXPECT_EQ(bone.materials[kCortical].name, "cortical");
   std::array<int, 3> points{};
   for (const MassPoint& point : bone.points) ++points.at(point.material);
-  for (const int count : points) EXPECT_GT(count, 5000);  // none of marrow
+  for (const int count : points) EXPECT_GT(count, 5000);  // marrow, the fourth material, has no points
   EXPECT_GT(bone.balls.size(), 28'000u);
 }
 

@@ -49,7 +49,7 @@ TEST(MaterialMap, TellsTheMaterialOfTheNearestPoint) {
     const Bone bone = Cloud(c.count, c.size_m, 11);
     const MaterialMap map(bone);
     std::mt19937_64 random(12);
-    std::uniform_real_distribution<double> along(-0.09, 0.09);  // within the cloud and far outside
+    std::uniform_real_distribution<double> along(-0.09, 0.09);  // places inside the cloud and far outside it
     for (int i = 0; i < 400; ++i) {
       const Vector3 p_m(along(random), along(random), along(random));
       ASSERT_EQ(map.At(p_m), NearestOfAll(bone, p_m)) << c.count << " points, look-up " << i;

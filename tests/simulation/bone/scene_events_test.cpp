@@ -51,7 +51,7 @@ constexpr double kBurrRadius_m = 0.001;
 const SceneEventParams kPulpAndWall{
     .regions = {{.name = "pulp", .material = "pulp"}}, .min_wall_m = 0.0015, .wall_spacing_m = 0.5e-3};
 
-// Steps the watch with a burr in BoxInBox.
+// Moves a burr in BoxInBox and returns the events that the watch reports.
 class Burr {
  public:
   explicit Burr(const SceneEventParams& params)
@@ -99,7 +99,7 @@ TEST(SceneEvents, EachEventIsReportedOnce) {
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
   EXPECT_EQ(burr.At(at_the_wall).size(), 1u);
   EXPECT_TRUE(burr.At(at_the_wall + Vector3(1e-4, 0, 0)).empty());
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.4e-3, 1e-9);  // the wall is still watched
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.4e-3, 1e-9);  // walls are still watched
   EXPECT_TRUE(burr.At(in_the_pulp).empty());
 }
 
@@ -123,7 +123,7 @@ TEST(SceneEvents, WallOfASlotIsTheBoneLeftToTheSide) {
     for (double x = 0.0; x < 0.0039; x += 0.13e-3) {
       const Vector3 apex(x, 0.3e-3, -0.0031 - 0.1 * x);
       const auto events = burr.At(apex);
-      // the nearest of: +x side, +y side (4 - 0.3 mm away)
+      // the nearer of the +x side, 5 mm - x away, and the +y side, 4 - 0.3 mm away
       const double wall_m = std::min(0.005 - x, 0.004 - 0.3e-3) - kBurrRadius_m;
       EXPECT_NEAR(*burr.watch().min_wall_m(), wall_m, 1e-9) << spacing_m << " " << x;
       const bool thin = wall_m < params.min_wall_m;
@@ -137,11 +137,11 @@ TEST(SceneEvents, WallOfASlotIsTheBoneLeftToTheSide) {
       was_thin = thin;
     }
     EXPECT_TRUE(was_thin);
-    // through the wall: nothing is left, which is a separate event, once
+    // the burr is through the wall: this is a separate event, reported once
     const auto through = burr.At({0.0043, 0, -0.003});
     ASSERT_EQ(through.size(), 1u);
     EXPECT_EQ(through[0].name, "breakthrough");
-    EXPECT_NEAR(through[0].value, 0.003 - kBurrRadius_m, 1e-7);  // below the site, at the head's middle
+    EXPECT_NEAR(through[0].value, 0.003 - kBurrRadius_m, 1e-7);  // depth of the head's middle below the site
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
     EXPECT_TRUE(burr.At({0.0045, 0, -0.003}).empty());
     EXPECT_EQ(*burr.watch().min_wall_m(), 0.0);
@@ -168,9 +168,9 @@ TEST(SceneEvents, FaceWithTheOpeningIsNoWall) {
   params.regions.clear();
   Burr burr(params);
   burr.At({0, 0, -0.0022});
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // to the sides along y; 0.2 mm below the top
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.003, 1e-9);  // the sides along y, not the top face 0.2 mm away
   burr.At({0, 0, -0.0089});
-  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // to the floor at -10 mm
+  EXPECT_NEAR(*burr.watch().min_wall_m(), 0.0011, 1e-9);  // distance to the floor at -10 mm
 }
 
 // The fissures and steep inner slopes of the cusps around a molar's site are no walls. The crown's sides are
@@ -202,7 +202,8 @@ TEST(SceneEvents, ACutFromOutsideMeasuresNoWall) {
   EXPECT_FALSE(burr.watch().min_wall_m());
 }
 
-// BoxSolid has no RegionDistance: the event occurs when the burr reaches the region's first mass point.
+// BoxSolid does not implement RegionDistance, so the event occurs when the burr reaches the region's first
+// mass point.
 TEST(SceneEvents, RegionOfUnknownShapeIsReachedAtItsFirstMassPoint) {
   const BoxSolid solid({-0.005, -0.005, -0.010}, {0.005, 0.005, 0.0});
   Bone bone = DentineAndPulp();
@@ -211,14 +212,14 @@ TEST(SceneEvents, RegionOfUnknownShapeIsReachedAtItsFirstMassPoint) {
                  {.p_m = Vector3(0, 0, -0.005), .volume_m3 = 1e-12, .material = 1}};
   SceneWatch watch(&solid, bone, BallTool(kBurrRadius_m),
                    {.regions = {{.name = "pulp", .material = "pulp"}}});
-  // the ball meets the point 0.6 mm off the axis with its apex 0.2 mm below it
+  // the ball touches a point 0.6 mm beside the axis when the ball's apex is 0.2 mm below the point
   EXPECT_TRUE(watch.Step(Down({0, 0, -0.0042 + 1e-7}), 1e-9, 1).empty());
   const auto events = watch.Step(Down({0, 0, -0.0042 - 1e-7}), 2e-9, 2);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_NEAR(events[0].value, 0.004, 1e-12);
 }
 
-// A saved packing has no solid: mass points stand for its regions, and walls are not watched.
+// A saved packing has no solid. Its mass points then represent the regions, and walls are not watched.
 TEST(SceneEvents, WithoutASolidRegionsAreReachedAtMassPointsAndWallsAreNotWatched) {
   Bone bone = DentineAndPulp();
   bone.points = {{.p_m = Vector3(0, 0.0006, -0.004), .volume_m3 = 1e-12, .material = 1}};
@@ -268,7 +269,7 @@ TEST(SceneEvents, MolarsPulpDistanceAgreesWithItsTissue) {
     inside += pulp->distance_m < 0.0 ? 1 : 0;
   }
   EXPECT_GT(inside, 20);
-  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kDentine, Vector3::Zero()));  // no region of its own
+  EXPECT_FALSE(molar.RegionDistance(MolarSolid::kDentine, Vector3::Zero()));  // dentine is no separate region
   EXPECT_FALSE(molar.RegionDistance(MolarSolid::kEnamel, Vector3::Zero()));
 }
 

@@ -143,9 +143,9 @@ TEST(Scenes, TheSameParametersGiveTheSameBone) {
     ASSERT_EQ(Vector3(a.points[i].p_m), Vector3(b.points[i].p_m));
 }
 
-// A burr moves into a block by its own radius, then along. Large balls that the engine splits at the cut must
-// give less than half the balls, and less than half the depth error, of a packing that is fine from the
-// start.
+// A burr moves into a block by its own radius, then along the face. One packing has large balls, which the
+// engine splits at the cut; the other is fine from the start. The first must have less than half the balls
+// and less than half the depth error of the second.
 TEST(Scenes, SplittingNeedsFewerBallsAndCutsMoreAccurately) {
   SceneParams scene = Plate();
   scene.shape = BlockShape{.width_m = 0.012, .depth_m = 0.012, .height_m = 0.006, .layers = {}};
@@ -235,7 +235,7 @@ TEST(MeshScenes, ARegionGetsTheTissueOfItsNameAndLengthsAreScaled) {
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0099}), 0);
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0090}), 1);
   EXPECT_EQ(solid->solid->MaterialAt({0, 0, 0.0060}), 2);
-  // the region bounds nothing: the depth at its centre is that below the tooth's surface
+  // the region "nerve" does not bound the solid: the distance at its centre is that to the tooth's surface
   EXPECT_NEAR(solid->solid->SignedDistance({0, 0, 0.005}), -0.004, 1e-6);
   const Bone bone = PackScene(*solid, scene);
   std::array<double, 3> volumes{};

@@ -48,10 +48,10 @@ TEST(FindConstrainedGoal, EqualsTheServoLoopsProjectionForUpToEightPlanes) {
     std::array<HalfSpace, kMaxHalfSpaces> some{};
     std::copy(planes.begin(), planes.end(), some.begin());
     const HalfSpaceProjection expected = ClosestInHalfSpaces(some, count);
-    if (expected.violation > 0.0) continue;  // the oracle gives up on planes that are nearly parallel
+    if (expected.violation > 0.0) continue;  // the oracle does not solve planes that are nearly parallel
     const ConstrainedGoal goal = FindConstrainedGoal(planes);
-    // all planes yield by the slack, which moves the point by the slack over the sine of the angle between
-    // two of them
+    // FindConstrainedGoal relaxes all planes by kHoldSlack, which moves the point by the slack over the sine
+    // of the angle between two planes
     double multipliers = 0.0;
     for (const double m : expected.multiplier) multipliers += m;
     EXPECT_LT((goal.point_m - expected.point).norm(), 100.0 * kHoldSlack * (multipliers + 1e-3)) << i;
@@ -92,7 +92,8 @@ TEST(FindConstrainedGoal, DoesNotDependOnTheOrderOfPlanes) {
   }
 }
 
-// Two opposite walls overlap by 0.2 mm: both yield by half of it, and so does the floor.
+// The half-spaces of two opposite walls miss each other by 0.2 mm. Both walls and the floor are relaxed by
+// half of this.
 TEST(FindConstrainedGoal, LiesInTheMiddleBetweenWallsThatLeaveNoRoom) {
   const std::vector<HalfSpace> planes{{.n = Vector3::UnitX(), .offset = 1e-3},
                                       {.n = -Vector3::UnitX(), .offset = -0.8e-3},

@@ -39,7 +39,8 @@ TEST(FindBin, DividesTheSphereIntoBinsOfSimilarSize) {
     ASSERT_LT(shaft.off_centre, 1.0 - std::cos(55.0 * M_PI / 180.0));
   }
   for (std::size_t b = 0; b < kCuttingBins; ++b) {
-    // 1000 on average; the bin in the middle of a cube's face covers 1.72 times that, a corner's bin half
+    // A bin gets 1000 directions on average. The bin in the middle of a cube's face covers 1.72 times the
+    // mean solid angle, a corner's bin half of it
     EXPECT_GT(count[b], 500) << b;
     EXPECT_LT(count[b], 1950) << b;  // five standard deviations above
   }
@@ -77,7 +78,7 @@ struct Scene {
   int count{0};
 
   /// Adds a pair: normal n in G, gap at first contact, and the centre in T of a tool ball of radius 5 mm. The
-  /// ball moves by the frame's motion as set before this call.
+  /// ball moves by the frame's motion as it is set before this call.
   void Add(const Vector3& n, double gap_m, const Vector3& c_T = Vector3::Zero()) {
     const auto i = static_cast<std::uint32_t>(count++);
     near.nearest[i] = {.pair = {i, 0},
@@ -138,7 +139,8 @@ TEST(SolveContacts, FrictionCountsTheSlipThatARotationCauses) {
 TEST(FindCandidates, LetsAToolMoveAlongASlotOfItsOwnWidth) {
   Scene scene;
   scene.input.motion_G_m = Vector3(0, 0.1e-3, 0);
-  // balls of both walls, slightly ahead: plain tangent planes would stop the tool at once
+  // the next balls of both walls lean slightly toward the tool: planes tangent to them would stop the tool at
+  // once
   scene.Add({1, -0.05, 0}, 0.0);
   scene.Add({-1, -0.05, 0}, 0.0);
   EXPECT_EQ(scene.Solve().point_m(), Vector3::Zero());
@@ -156,8 +158,8 @@ TEST(SolveContacts, AWedgedToolsForceIsLimitedToPressAndOverlap) {
   scene.Add(-Vector3::UnitX(), -0.1e-3);
   scene.Add(Vector3::UnitZ(), 0.0);
   const ContactSolution held = scene.Solve();
-  EXPECT_GT(held.normal_m, 10.0);  // metres: without the cap, the multipliers that balance each other
-  // twice the millimetre by which the tool is pressed, plus the overlap
+  EXPECT_GT(held.normal_m, 10.0);  // in metres: the walls' multipliers, before the cap
+  // the cap is twice the 1 mm by which the tool is pressed, plus the overlap
   EXPECT_LT(held.force_multiplier_cap_m, 2.2e-3);
   const FrameSolution solution = scene.ReportContacts();
   Vector3 sum = Vector3::Zero();
@@ -197,8 +199,8 @@ TEST(FillContacts, GivesTheServoLoopTheFramesForce) {
       n.z() = 0.2 + std::abs(n.z());
       scene.Add(n, 0.2e-3 * u(random), 3e-3 * RandomDirection(random));
     }
-    // lens-weighted sums, so that each face's mean normal differs slightly from the normal of the holding
-    // pair
+    // the sums are weighted by lens volumes, so each face's mean normal differs slightly from the normal of
+    // the pair that holds the tool
     static_cast<void>(scene.ReportContacts());
     for (int f = 0; f < scene.memory.face_count; ++f)
       for (int k = 0; k < 30; ++k)
@@ -231,7 +233,7 @@ TEST(FillContacts, ReportsAShaftBesideAnEdgeThatPressesInTheSameDirection) {
   scene.Add({0, 0, 1}, 0.0);
   scene.Add({0.1, 0, 1}, 0.05e-3);
   scene.near.nearest[1].cutting = false;
-  scene.Add({0, 0.1, 1}, 0.05e-3);  // another cutting ball belongs to the edge's own face
+  scene.Add({0, 0.1, 1}, 0.05e-3);  // another cutting ball, on the same face as the edge
   const FrameSolution solution = scene.ReportContacts();
   ASSERT_EQ(solution.contact_count, 2);
   EXPECT_TRUE(solution.contacts[0].cutting);
@@ -254,7 +256,7 @@ TEST(FillContacts, ContactPointIsTheBallsFootAlongTheContactsNormal) {
   EXPECT_LT((solution.contacts[0].p_T_m - foot).norm(), 1e-12);
 }
 
-// The tool moves along -x and -z, so the planes of balls 1 and 2 hold it, and the plane of ball 0 does not.
+// The tool moves along -x and -z, so the planes of balls 1 and 2 stop it, and the plane of ball 0 does not.
 TEST(FillContacts, RemembersTheHoldingPairsAndTheFacesNormals) {
   Scene scene;
   scene.input.motion_G_m = Vector3(-1e-3, 0, -2e-3);

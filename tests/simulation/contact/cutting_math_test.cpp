@@ -24,7 +24,7 @@ class Random {
 
 // ---- pass 1: first contact
 
-/// Oracle for FirstContactFraction: first s in [0, 1] with |D - s m| = R, by bisection; kNoContact where the
+/// Oracle for FirstContactFraction: first s in [0, 1] with |D - s m| = R, by bisection; kNoContact if the
 /// balls stay apart.
 double BisectToContact(const Vector3& D, const Vector3& m, double R) {
   const auto apart = [&](double s) { return (D - s * m).norm() - R; };
@@ -53,7 +53,8 @@ TEST(FirstContact, AgreesWithBisectionForPairsThatAreApart) {
       continue;
     }
     ++hits;
-    // the claim is about the place: the balls touch there, to the rounding of coordinates of some centimetres
+    // the place of contact must be exact: the balls touch there, up to the rounding of coordinates of some
+    // centimetres
     ASSERT_NEAR((D - s * m).norm(), R, 1e-14) << i;
     ASSERT_NEAR((s - expected) * m.norm(), 0.0, 1e-8) << i;
   }
@@ -86,13 +87,15 @@ TEST(FirstContact, IsNoneWithoutMotionWhetherTheBallsOverlapOrNot) {
 }
 
 TEST(FirstContact, GrazingBallsTouchJustBeforeTheirClosestApproach) {
-  // passing the centre at a distance p: contact at sqrt(R^2 - p^2) before the closest approach, none if p > R
+  // a ball that passes the centre at a distance p makes contact sqrt(R^2 - p^2) before the closest approach;
+  // no contact if p > R
   const double R = 10e-3, way = 20e-3;
   for (const double inside : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const double p = R - inside;
     const double s = FirstContactFraction({p, 0, way}, {0, 0, 2 * way}, R);
     const double expected = (way - std::sqrt(inside * (R + p))) / (2 * way);
-    // the position is bounded, not the fraction: rounding of p by eps R moves the contact by sqrt(2 R eps R)
+    // the error of the position is bounded, not that of the fraction: rounding p by eps R moves the contact
+    // by sqrt(2 R eps R)
     EXPECT_NEAR(s, expected, 2e-9 / way) << inside;
   }
   EXPECT_EQ(FirstContactFraction({R + 1e-12, 0, way}, {0, 0, 2 * way}, R), kNoContact);
@@ -138,8 +141,9 @@ TEST(LensVolume, IsTheVolumeOfAContainedBallAndZeroForBallsApart) {
   EXPECT_EQ(LensVolume(5.0, 2.0, 70.0), 0.0);
 }
 
-// The volume has two joins: where the smaller ball becomes contained, and where the balls part. Its slope is
-// continuous there, so at a distance h from a join it differs from its constant value by the order of h^2.
+// As a function of the balls' distance, the volume has two joins: the smaller ball becomes contained, and the
+// balls part. The slope is continuous at both joins. At a distance h from a join, the volume therefore
+// differs from the constant value beyond it by the order of h^2.
 TEST(LensVolume, IsSmoothWhereBallsPartAndWhereOneIsContained) {
   for (const double r2 : {0.3, 2.0, 4.5}) {
     const double r1 = 5.0, contained = 4.0 / 3.0 * std::numbers::pi * r2 * r2 * r2;
@@ -227,7 +231,7 @@ TEST(ShrinkBall, KeepsTheBallInsideItsOldVolumeAndOutsideTheSweep) {
       ++shrunk;
       ASSERT_NEAR((after.c - c).norm(), r - after.r, 1e-12);  // hence inside the old ball
       ASSERT_NEAR(after.r, r - 0.5 * p, 1e-15);
-      ASSERT_GE(DistanceToSegment(after.c, a, b) - after.r - r_t, -1e-14);  // no overlap is left
+      ASSERT_GE(DistanceToSegment(after.c, a, b) - after.r - r_t, -1e-14);  // no overlap remains
     }
   }
   EXPECT_GT(shrunk, 5000);
@@ -255,13 +259,14 @@ TEST(ShrinkBall, BeyondTheSegmentsEndMovesTheBallAwayFromTheEnd) {
   EXPECT_NEAR(after.r, 0.75e-3, 1e-15);
 }
 
-// The centre lies on the sweep's axis, where any direction perpendicular to the axis would be right.
+// The ball's centre lies on the sweep's axis, so any direction perpendicular to the axis is right; the choice
+// must be the same each time.
 TEST(ShrinkBall, OnTheAxisMovesTheBallSidewaysAndAlwaysAlike) {
   Random random(7);
   for (int i = 0; i < 500; ++i) {
     const Vector3 axis = i < 3 ? Vector3::Unit(i) : random.Direction();
     const Vector3 a = i % 2 == 0 ? Vector3(Vector3::Zero()) : Vector3(-3e-3 * axis), b = 4e-3 * axis;
-    const double r = 10e-3, r_t = 2e-3;  // larger than the tool: survives
+    const double r = 10e-3, r_t = 2e-3;  // larger than the tool, so a part of the ball remains
     const Shrunk one = Shrink(Vector3::Zero(), r, a, b, r_t), two = Shrink(Vector3::Zero(), r, a, b, r_t);
     ASSERT_EQ(one.c, two.c);
     ASSERT_NEAR(one.r, 4e-3, 1e-15);

@@ -4,8 +4,8 @@
 
 #include "simulation/engine/frame_solution.h"
 
-// Tests of the cutting edges' own force (ploughing force) in the rate law: below it the edge only rubs, above
-// it bone gives way.
+// Tests of the cutting edges' own force (ploughing force) in the rate law: below this force the edge only
+// rubs, above it the edge cuts.
 
 namespace osteon::simulation {
 namespace {
@@ -73,13 +73,14 @@ TEST(EdgeForce, TwoHalfStepsEqualOneStep) {
   }
 }
 
-// The advance never falls with the force, does not jump, and is at most the advance without an edge force.
+// As the force grows, the advance must never fall or jump. It must be at most the advance without an edge
+// force.
 TEST(EdgeForce, TheAdvanceGrowsContinuouslyAndNeverExceedsThatWithoutEdgeForce) {
   EdgeCut edge;
   edge.params.max_slide_m = 1.0;
   for (const double energy_lead_J : {0.0, 1e-3}) {
     double before_m = 0.0;
-    for (int i = 1; i <= 2500; ++i) {  // beyond the largest force of 200 N
+    for (int i = 1; i <= 2500; ++i) {  // 2500 steps go beyond the force limit of 200 N
       const EdgeCut cut = edge.Pressed(0.1 * i);
       const double advance_m = cut.Advance(1e-3, kSpindle, energy_lead_J).advance_m;
       ASSERT_GE(advance_m, before_m) << i;

@@ -19,8 +19,8 @@
 #include "simulation/solids/box_solid.h"
 #include "simulation/tools/tool.h"
 
-// Shared by the engines' tests: small scenes whose surfaces are known exactly, and a suite that runs on both
-// engines. All lengths in metres; G and W coincide.
+// Shared by the engines' tests: small scenes whose surfaces are known exactly, and a suite that runs on every
+// engine. All lengths in metres; G and W coincide.
 
 namespace osteon::simulation {
 
@@ -53,7 +53,7 @@ inline void AddBox(const Vector3& low, const Vector3& high, Bone& bone, bool wit
   bone.points.insert(bone.points.end(), points.begin(), points.end());
 }
 
-/// Specific cutting energies u_c [J/m^3]: cancellous bone, assumed (docs/cutting.md); and a softer bone in
+/// Specific cutting energies u_c [J/m^3]: an assumed one of cancellous bone, and one of a softer bone in
 /// which short runs cut deep.
 inline constexpr double kSpongy = 60e6, kSoft = 4e6;
 
@@ -114,7 +114,8 @@ inline constexpr EngineKind kOtherEngine = EngineKind::kCpu;
 inline const auto kEveryEngine =
     testing::Values(EngineKind::kCpu, EngineKind::kCpuAvx2, EngineKind::kCpuPlain);
 
-/// AVX2 or plain C++ where the processor has them; its best otherwise.
+/// The CPU engine's instruction set for this kind: AVX2 or plain C++ if the processor has it, otherwise its
+/// best set.
 inline CpuParams CpuParamsOf(EngineKind kind) {
   const std::vector<std::string> sets = CpuInstructionSets();
   if (kind == EngineKind::kCpuPlain) return {.instruction_set = sets.back()};

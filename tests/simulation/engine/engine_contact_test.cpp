@@ -133,7 +133,7 @@ TEST_P(EngineContact, LeavingIsNeverBlocked) {
     const double azimuth = 2.0 * M_PI * u(random), elevation = (0.1 + 0.4 * u(random)) * M_PI;
     const Vector3 way = 4e-3 * Vector3(std::cos(elevation) * std::cos(azimuth),
                                        std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    // from the surface, and from inside: the proxy is at the surface both times
+    // from the surface, and from inside: the proxy is at the surface in both cases
     const Pose X_WT = Down(from + way, 0.2 * Vector3(u(random), u(random), u(random)));
     const ContactModel model = engine->Step(At(X_WT));
     ASSERT_EQ(model.contact_fraction, 1.0) << shot;
@@ -193,7 +193,7 @@ TEST_P(EngineContact, TheForceInACornerIsTheVectorSumOfBothFaces) {
   // 7 % (failures.md row 4)
   EXPECT_LT((Vector3(model.F_T_W.f) - expected).norm(), 0.07 * expected.norm())
       << Vector3(model.F_T_W.f).transpose();
-  // and no limit cycle
+  // the pressed tool must not oscillate (no limit cycle)
   const Vector3 rest = ApexOf(model);
   for (int i = 0; i < 50; ++i) {
     model = engine->Step(At(Down(goal)));
@@ -259,7 +259,7 @@ TEST_P(EngineContact, AShaftsContactHasTheMaterialAndFrictionOfItsPlace) {
     ASSERT_GT(model.contact_count, 0);
     EXPECT_EQ(model.contacts[0].material, x > 0.0 ? 1 : 0);
     EXPECT_EQ(model.contacts[0].mu, x > 0.0 ? 0.4 : 0.1);
-    // dragged along y, the tool is held back by that tissue's friction
+    // the tool is dragged along y; the friction must be that of the tissue below the tool
     for (int i = 0; i < 60; ++i) model = engine->Step(At(Down({x, 0.05e-3 * i, -1e-3})));
     const Vector3 f = model.F_T_W.f;
     EXPECT_NEAR(-f.y() / f.z(), x > 0.0 ? 0.4 : 0.1, 0.03);
@@ -267,8 +267,8 @@ TEST_P(EngineContact, AShaftsContactHasTheMaterialAndFrictionOfItsPlace) {
   }
 }
 
-// The paper weights each lens by its ball's density; a flat wall's normal would then lean at a border between
-// tissues.
+// The paper weights each lens by its ball's density, which would tilt a flat wall's normal at a border
+// between tissues. The engine must not do so.
 TEST_P(EngineContact, DenserTissueDoesNotTurnTheNormal) {
   const auto engine = Make(TwoTissues(20e-3), BallTool(6e-3));
   engine->Step(At(Down({0, 0, 1e-3})));

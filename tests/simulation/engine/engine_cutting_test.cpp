@@ -125,8 +125,8 @@ TEST_P(EngineCutting, LeavesNothingInsideTheSweepAndNoBallGrows) {
   }
 }
 
-// An oblique feed, up to several times a frame's largest slide: the tool must still cut its whole way, and
-// its advance along the normal must not leave the commanded path.
+// An oblique feed, up to several times max_slide_m in a frame. The tool must still cut all of its path, and
+// its advance along the contact's normal must not leave the commanded path.
 TEST_P(EngineCutting, WithTheImmediateLawTheToolReachesTheCommandedPoseInEveryFrame) {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -136,7 +136,7 @@ TEST_P(EngineCutting, WithTheImmediateLawTheToolReachesTheCommandedPoseInEveryFr
     Vector3 before = start;
     for (int i = 0; i <= frames; ++i) {
       const Vector3 asked = start + static_cast<double>(i) / frames * (goal - start) -
-                            Vector3(0, 0, 0.3e-3 / frames);  // each run a little deeper
+                            Vector3(0, 0, 0.3e-3 / frames);  // each run goes a little deeper
       const ContactModel model = engine->Step(At(Down(asked), kSpindle_rad_per_s, 4e-3));
       // the proxy's path is known to some nanometres, in single precision
       EXPECT_LT((Pose(model.X_WP).translation() - asked).norm(), 2e-8) << frames << " " << i;
@@ -157,7 +157,7 @@ TEST_P(EngineCutting, LateFramesCutNearlyAsMuchOfAToolThatMovesAcross) {
   for (const int ms : {1, 6}) {
     const auto engine = Make(Slab(14e-3, 4e-3, true, kSoft), BallTool(2e-3));
     ContactModel model = engine->Step(At(Down({0, 0, 0.2e-3})));
-    double z = 0.0;  // height of the tool: 2 mm below the proxy, which is 40 N
+    double z = 0.0;  // height of the tool: 2 mm below the proxy, for 40 N
     for (int i = 0; i < 120 / ms; ++i) {
       const double t = 1e-3 * ms * i, x = 2e-3 * std::asin(std::sin(std::numbers::pi * t / 40e-3)) / 1.57;
       z = Pose(model.X_WP).translation().z() - 2e-3;
@@ -251,7 +251,7 @@ TEST_P(EngineCutting, ClosedCyclesNeverReturnEnergy) {
       const Vector3 next(0.5e-3 * std::sin(phase), 0.3e-3 * std::sin(2 * phase),
                          -0.5e-3 + 1.0e-3 * std::cos(phase));
       const ContactModel model = engine->Step(At(Down(next), cutting ? kSpindle_rad_per_s : 0.0));
-      // work of the hand on the bone (trapezoidal rule); F_T_W is the force on the hand, so its sign changes
+      // work of the hand on the bone (trapezoidal rule), with a minus because F_T_W is the force on the hand
       work_J -= 0.5 * (f + Vector3(model.F_T_W.f)).dot(next - p);
       f = model.F_T_W.f;
       p = next;
@@ -284,7 +284,7 @@ TEST_P(EngineCutting, AToolWithdrawsFreelyFromItsOwnSlot) {
   EXPECT_LT((Pose(model.X_WP).translation() - tilted(0.15, 0.0).translation()).norm(), 0.05e-3);
   for (int i = 0; i <= 150; ++i) {
     model = engine->Step(At(tilted(0.15, 0.05e-3 * i)));
-    // the collision-free pose follows at once: 0.05 mm a frame, plus the rest from the tilt
+    // the collision-free pose follows at once: 0.05 mm a frame, plus what is left of the tilt
     ASSERT_LT((Pose(model.X_WP).translation() - tilted(0.15, 0.05e-3 * i).translation()).norm(), 0.1e-3) << i;
   }
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);

@@ -4,8 +4,8 @@
 
 #include "tests/simulation/engine/engine_bench.h"
 
-// Tests of the edges' own force on every engine: nothing is cut below it, and the claims about energy, frame
-// rate and limits hold as they do without it.
+// Tests of the edges' own force on every engine: below this force nothing is cut, and energy balance,
+// independence of the frame rate and limits are as without an edge force.
 
 namespace osteon::simulation {
 namespace {
@@ -43,7 +43,7 @@ TEST_P(EngineEdge, AnEdgeRubsBelowItsForceAndCutsAboveIt) {
   EXPECT_EQ(rubbing.removed_volume_m3, 0.0);
   EXPECT_EQ(rubbing.advance_m_per_s, 0.0);
   EXPECT_NEAR(rubbing.F_T_W.f.z, 10.0, 0.8) << "what presses is felt";
-  // the spindle turns against mu_c F, which acts at the mean distance of a disc's points from its centre
+  // the spindle's torque is mu_c F at the mean distance of a disc's points from its centre
   const double arm = 2.0 / 3.0 * std::sqrt(rubbing.engaged_area_m2 / M_PI);
   EXPECT_NEAR(rubbing.spindle_torque_Nm, 0.8 * rubbing.F_T_W.f.z * arm, 0.15 * 0.8 * 10.0 * arm);
   EXPECT_NEAR(rubbing.cutting_work_J, rubbing.spindle_torque_Nm * kSpindle_rad_per_s * 0.3,

@@ -13,12 +13,12 @@ namespace {
 using EngineLaw = Engine;
 OSTEON_ON_EVERY_ENGINE(EngineLaw);
 
-constexpr double kStiffness = 20e3;  // of the coupling [N/m]
+constexpr double kStiffness = 20e3;  // stiffness of the coupling [N/m]
 /// Overlap that the slide may leave, plus the depth to which a tool of 2 mm sinks into the lattice (0.5^2/8 /
 /// (2 + 0.75) mm).
 constexpr double kSurface_m = 0.02e-3 + 0.012e-3;
 
-/// Parameters with the law that removes bone at once.
+/// Parameters with the immediate law.
 CuttingParams Immediate() {
   CuttingParams params;
   params.law = RemovalLaw::kImmediate;
@@ -35,7 +35,8 @@ TEST_P(EngineLaw, AnUndercutHoldsTheHeadDown) {
   ContactModel model;
   for (int i = 1; i <= 80; ++i)
     model = engine->Step(At(Down({1e-3, 0, -depth + std::min(2e-3, 0.05e-3 * i)})));
-  // 2 mm up against the roof: 40 N down; a roof of cut balls yields by some hundredths of a millimetre
+  // the commanded tool is 2 mm above the roof, so the force is 40 N downwards; a roof of cut balls lets the
+  // tool in by some hundredths of a millimetre
   EXPECT_NEAR(model.F_T_W.f.z, -40.0, 0.05 * 40.0);
   EXPECT_LT(model.n_W.z, -0.9);
   EXPECT_NEAR(Vector3(model.X_WP.p).z(), -depth, 0.1e-3);
@@ -51,7 +52,7 @@ TEST_P(EngineLaw, ADrillMovesFreelyAlongItsOwnHole) {
   for (int i = 0; i <= 100; ++i) engine->Step(At(Down({0, 0, -0.04e-3 * i}), kSpindle_rad_per_s));
   double max_N = 0.0, lag_m = 0.0;
   for (int i = 0; i <= 200; ++i) {
-    const double z = -4e-3 + 3e-3 * std::abs(std::sin(M_PI * i / 200.0));  // out by 3 mm, and in again
+    const double z = -4e-3 + 3e-3 * std::abs(std::sin(M_PI * i / 200.0));  // moves out by 3 mm and in again
     const ContactModel model = engine->Step(At(Down({0, 0, z})));
     max_N = std::max(max_N, std::abs(model.F_T_W.f.z));
     lag_m = std::max(lag_m, std::abs(Vector3(model.X_WP.p).z() - z));
@@ -85,7 +86,7 @@ TEST_P(EngineLaw, FrictionFollowsTheToolWithinTheConeAndIsLimitedByIt) {
 }
 
 // With a turning spindle the surface slips along its own speed, not along the feed. The bone is so hard that
-// it hardly gives way.
+// it is hardly cut.
 TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   Bone bone = Slab(12e-3, 3e-3, true, 100.0 * kSpongy);
   bone.materials[0].friction = 0.3;
@@ -100,8 +101,8 @@ TEST_P(EngineLaw, ATurningSpindleHasNoFrictionAlongTheFeed) {
   EXPECT_LT(tangential, 0.1 * 40.0);
 }
 
-// The contract with the servo loop: from the reported planes it computes the frame's wrench at the frame's
-// pose.
+// The contract with the servo loop: at the frame's pose, the loop must compute the frame's wrench from the
+// reported planes.
 TEST_P(EngineLaw, ReportedContactsReproduceTheFramesWrench) {
   Bone bone = Slab(14e-3, 2e-3, false);
   AddBox({-7e-3, -7e-3, -2e-3}, {-5e-3, 7e-3, 8e-3}, bone, false);
@@ -156,14 +157,14 @@ TEST_P(EngineLaw, AWedgedToolsWrenchIsThatOfItsOverlap) {
   EXPECT_LT(Vector3(model.F_T_W.t).norm(), 0.5);
   EXPECT_LT(Vector3(model.F_T_W.f).norm(), 30.0);
   EXPECT_LT(LogRotation(Pose(model.X_WP).linear() * Down(Vector3::Zero()).linear().transpose()).norm(), 0.05);
-  // and it can be withdrawn along the slot in this orientation
+  // in this orientation the rod can be withdrawn along the slot
   for (int i = 1; i <= 300; ++i) model = engine->Step(At(Down({0, 0.06e-3 * i, 0}, {0, 0.1, 0})));
   EXPECT_NEAR(Vector3(model.X_WP.p).y(), 18e-3, 1e-6);
   EXPECT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
 }
 
-// Two balls hold the tool from exactly opposite sides: the resultant of their planes is zero and gives no
-// direction for friction.
+// Two balls press on the tool from exactly opposite sides. The resultant of their planes is zero, so it gives
+// no direction for friction.
 TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   Bone bone = EmptyBone();
   bone.materials[0].friction = 0.3;
@@ -185,8 +186,8 @@ TEST_P(EngineLaw, AToolWedgedBetweenMirroredBallsStaysFinite) {
   }
 }
 
-// A cell may enlarge the tool by up to 5 mm for the normal: the reported plane is still that of the nearest
-// ball.
+// A cell may enlarge the tool by up to 5 mm when it computes the normal. The reported plane must still be
+// that of the nearest ball.
 TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreStillReportsTheNearestBall) {
   Bone bone = EmptyBone();
   // the nearest ball comes last in the list, so that the order of balls cannot hide a missing comparison
@@ -199,7 +200,8 @@ TEST_P(EngineLaw, AnEnlargementBeyondAMillimetreStillReportsTheNearestBall) {
   EXPECT_NEAR(model.contacts[0].gap_m, 1.5e-3, 1e-7);
 }
 
-// The tool starts deep in bone, as after an undo beneath it: the ball that it overlaps most must push it out.
+// The tool starts deep in bone, as after an undo has restored bone around the tool. The bone ball that the
+// tool overlaps most must push the tool out.
 TEST_P(EngineLaw, AToolPlacedDeepInBoneIsPushedOutByTheDeepestBall) {
   Bone bone = EmptyBone();
   for (const double depth : {1.2e-3, 1.6e-3, 2.0e-3, 3.0e-3})
@@ -242,7 +244,7 @@ TEST_P(EngineLaw, AToolAtRestKeepsItsPoseAndForce) {
 
 TEST_P(EngineLaw, ABoneWithoutBallsNeverTouches) {
   Bone bone = EmptyBone();
-  if (GetParam() == EngineKind::kVulkan)  // needs at least one ball: a small one, far away
+  if (GetParam() == EngineKind::kVulkan)  // the engine needs at least one ball: add a small one, far away
     bone.balls.push_back({.center_m = Vector3(1, 1, 1), .radius_m = 1e-4});
   const auto engine = Make(bone, BallTool(5e-3));
   for (int i = 0; i < 5; ++i) {

@@ -66,8 +66,8 @@ TEST_P(EngineSplit, NothingIsLeftInTheProxysPathAndTheMassIsThatOfTheSweep) {
   double overlap = 0.0;
   for (const Ball& ball : live)
     overlap = std::max(overlap, ball.radius_m - swept.SignedDistance(ball.center_m));
-  // tolerance: SweptTool joins the frames' poses, 0.25 mm apart, by chords; the proxy goes by contact and
-  // slide
+  // tolerance: SweptTool joins the frames' poses, 0.25 mm apart, by chords; the proxy's own path bends at
+  // contact and slide
   EXPECT_LT(overlap, 5e-6);
   const double volume = SweptVolume(*scene.solid, scene.tool, run.proxies, 0.1e-3);
   std::printf("swept %.1f mm^3, removed %.1f mm^3\n", volume * 1e9, run.last.removed_volume_m3 * 1e9);
@@ -90,7 +90,7 @@ TEST_P(EngineSplit, AnExhaustedPoolIsReportedAndTheCutGoesOn) {
     ASSERT_LT(ball.radius_m - swept.SignedDistance(ball.center_m), 10e-6);
 }
 
-// Engine `two` is ahead when the state is restored, so its split balls are numbered differently.
+// Engine `two` has cut further when the state is restored, so its split balls have other numbers.
 TEST_P(EngineSplit, ContinuesFromARestoredStateBitForBit) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
@@ -159,7 +159,8 @@ void ExpectEqualSplits(const Tool& tool, const CuttingParams& params, std::size_
 }
 TEST(EngineSplitTwins, SplitTheSameBalls) { ExpectEqualSplits(MakeBlockScene().tool, Immediate(), 500); }
 
-// Only bone balls that the cutting tool ball touches are split, not those that the other tool balls pass.
+// Only bone balls that the cutting tool ball touches are split. Bone balls that the other tool balls touch
+// stay whole.
 TEST(EngineSplitTwins, SplitTheSameBallsIfOnlyTheContactSphereCuts) {
   Tool tool;
   for (int i = 0; i < 3; ++i)
@@ -170,8 +171,8 @@ TEST(EngineSplitTwins, SplitTheSameBallsIfOnlyTheContactSphereCuts) {
   ExpectEqualSplits(tool, params, 60);
 }
 
-// A budget of two splits a frame leaves cuts waiting for a while, but gives the same shape in the end. A
-// budget of 0 is unlimited.
+// A budget of two splits a frame delays some splits, but the final shape is the same. A budget of 0 is
+// unlimited.
 TEST_P(EngineSplit, ABudgetForEachFrameOnlyDelaysSplitting) {
   const DepthScene scene = MakeBlockScene();
   const Bone bone = Block();
@@ -227,7 +228,7 @@ CuttingParams ContactSphereAlone() {
   return params;
 }
 
-// See docs/cutting.md.
+// The paper's method: only the contact sphere cuts (docs/method.md, deviation 8).
 TEST_P(EngineCutters, TheContactSphereAloneLeavesBoneInTheToolsPath) {
   Tool tool;  // a bar of five balls that goes down flat
   tool.name = "bar";
@@ -273,8 +274,8 @@ int CutBalls(const CarvedState& state) {
   return (state.balls[3] < 1.0f ? 1 : 0) | (state.balls[7] < 1.0f ? 2 : 0);
 }
 
-// Both tool balls touch at the same time up to rounding, which must not decide. If the first in the tool's
-// order is no cutting ball, nothing is cut.
+// Both tool balls touch at the same time up to rounding. Rounding must not decide which ball cuts: the first
+// in the tool's order does. If that ball is no cutting ball, nothing is cut.
 TEST_P(EngineCutters, TheFirstInTheToolsOrderCutsIfBallsTouchTogether) {
   for (const double first : {-1.0, 1.0})
     for (const bool first_cuts : {true, false}) {
@@ -295,7 +296,7 @@ TEST_P(EngineCutters, TheFirstInTheToolsOrderCutsIfBallsTouchTogether) {
     }
 }
 
-// One of the two tool balls is 1 um lower and so touches first.
+// One of the two tool balls is 1 um lower and therefore touches first.
 TEST_P(EngineCutters, TheBallThatTouchesFirstCutsWhateverItsOrder) {
   for (const double lower : {-1.0, 1.0}) {
     Tool tool;

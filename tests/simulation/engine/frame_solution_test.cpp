@@ -61,7 +61,7 @@ TEST(ComputeAdvanceStep, FollowsTheNormalOrWithTheImmediateLawGoesToTheGoal) {
 
   s.advance_m = 0.0;
   EXPECT_EQ(ComputeAdvanceStep(immediate, still, s, goal).norm(), 0.0);
-  // contact, but no advance: a ball that does not cut holds the tool
+  // there is contact but no advance, because a ball that does not cut stops the tool
   EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal).norm(), 0.0);
   s.delta.setZero();  // nothing holds the tool
   EXPECT_EQ(ComputeAdvanceStep(immediate, cuts, s, goal), goal - s.origin_slid);
@@ -113,7 +113,7 @@ TEST(ComputeAdvance, NeverExceedsThePenetration) {
   cut.params.max_slide_m = 1.0;
   cut.materials[0].specific_cutting_energy_J_per_m3 = 1.0;  // almost no resistance
   EXPECT_LE(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
-  cut.solution.engaged_area_m2[0] = 0.0;  // remnants without mass do not hold the tool
+  cut.solution.engaged_area_m2[0] = 0.0;  // nothing with mass is engaged, so nothing stops the tool
   EXPECT_EQ(cut.Advance(1.0).advance_m, cut.solution.cutting_m);
 }
 
@@ -146,8 +146,8 @@ TEST(ComputeAdvance, WithTheImmediateLawIsTheWholePenetration) {
 
 TEST(ComputeAdvance, DoesNotGrowBeyondTheLargestForce) {
   Cut cut;
-  cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the law is linear
-  cut.solution.cutting_m = 10e-3;                            // at the limit of 200 N
+  cut.materials[0].specific_cutting_energy_J_per_m3 = 1e12;  // so hard that the advance is linear in time
+  cut.solution.cutting_m = 10e-3;                            // pressed to the force limit of 200 N
   const double at_limit = cut.Advance(1e-3).advance_m;
   cut.solution.cutting_m = 20e-3;
   EXPECT_NEAR(cut.Advance(1e-3).advance_m, at_limit, 1e-6 * at_limit);
@@ -159,15 +159,16 @@ TEST(ComputeAdvance, EdgeWorkIsTheCuttingEnergyOfTheSweptVolume) {
   EXPECT_NEAR(frame.edge_work_J, 50e6 * 500e-6 * frame.advance_m, 1e-12);
 }
 
-// energy_lead_J: work of bone that was cleared before the edge has done it; a frame recovers it first.
+// energy_lead_J is the energy of bone that was cleared before the edge had done this work. A frame's work
+// first reduces this lead.
 TEST(ComputeAdvance, RecoversTheEnergyLeadBeforeItAdvances) {
   const Cut cut;
   const double dt = 1e-3, work_J = 40.0 * 0.8 * 15e-3 * kSpindle * dt;
   const double free_m = cut.Advance(dt).advance_m;
-  // a lead whose recovery in this frame takes half of the frame's work
+  // a lead so large that its reduction takes half of the frame's work
   const double energy_lead_J = 0.5 * work_J * kEnergyLeadSeconds / dt;
   const FrameAdvance paying = cut.Advance(dt, kSpindle, energy_lead_J);
-  EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // up to the law's curvature over the frame
+  EXPECT_NEAR(paying.advance_m, 0.5 * free_m, 1e-2 * free_m);  // 1 %: the law's curvature over the frame
   // the edge has done the same work as without a lead, to the same accuracy
   EXPECT_NEAR(paying.edge_work_J, work_J, 1e-2 * work_J);
   // a lead beyond the frame's work stops the advance, while the edge still works
@@ -297,7 +298,8 @@ TEST(FinishFrame, AShaftsContactHasTheMaterialOfItsPlace) {
   EXPECT_EQ(model.contacts[1].mu, 0.4);
   EXPECT_EQ(model.contacts[2].material, 0) << "of what is engaged";
   EXPECT_EQ(frame.memory.contact.friction, 0.1) << "by engaged area";
-  // where nothing is engaged, a cutting ball's contact has the material of its place, too
+  // if nothing is engaged, a cutting ball's contact has the material at its own place, like the other
+  // contacts
   frame.solution.engaged_area_m2[0] = 0.0;
   model = frame.Finish();
   EXPECT_EQ(model.contacts[2].material, 1);
@@ -334,7 +336,8 @@ TEST(FinishFrame, AddsUpVolumeMassWorkAndEnergyLead) {
   EXPECT_EQ(model.frame, 2u);
 }
 
-// Half of the rotation happens before contact, and half of the rest after it: 0.3 of 0.4 rad.
+// The frame's rotation is 0.4 rad. Half of it happens before contact, and half of the remainder after
+// contact: 0.3 rad in all.
 TEST(FinishFrame, TurnsTheProxyByItsFractionOfThePath) {
   Frame frame;
   Pose X_WT = Pose::Identity();
@@ -368,7 +371,7 @@ TEST(FinishFrame, AProxyThatCannotTurnKeepsItsRotation) {
 TEST(FinishFrame, SpindleTorqueIsTheEdgesWorkOverItsAngle) {
   Frame frame;
   frame.solution.edge_work_J = 0.05;
-  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);  // a still spindle has none
+  EXPECT_EQ(frame.Finish().spindle_torque_Nm, 0.0);  // a spindle at rest has no torque
   frame.input.spindle_rad_per_s = -kSpindle;
   EXPECT_NEAR(frame.Finish().spindle_torque_Nm, 0.05 / (kSpindle * frame.input.dt_s), 1e-12);
 }

@@ -12,8 +12,9 @@
 namespace osteon::simulation {
 namespace {
 
-// Steps three engines over the strip: all pairs, lists that are built ahead, lists that are built when
-// needed. Expects equal bits in every frame, and that the tool cuts.
+// Steps three engines over the strip: one without lists that tests all pairs, one whose lists are built
+// ahead, and one whose lists are built when needed. Expects equal bits in every frame, and that the tool
+// cuts.
 void ExpectListsChangeNoBit(const Bone& bone, const Tool& tool, const CuttingParams& params, int frames) {
   const Pose X_WG = Pose::Identity();
   CpuEngine brute(bone, tool, X_WG, params, {.brute_force = true}), lists(bone, tool, X_WG, params),

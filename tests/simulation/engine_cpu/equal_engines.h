@@ -88,10 +88,9 @@ struct RunFacts {
 /// Engines of one bone and tool that must stay equal.
 class EqualEngines {
  public:
-  /// @param sets  instruction sets of the CPU engines; with these, a reference engine that visits all balls
-  /// is
-  ///   compared as well. Empty: all sets that the processor has, and no such engine, since it would be too
-  ///   slow
+  /// @param sets  instruction sets of the CPU engines. If given, a reference engine that visits all balls is
+  /// compared too. Empty: all instruction sets of the processor, and no engine that visits all balls, because
+  /// it would be too slow
   EqualEngines(Bone bone, const Tool& tool, const CuttingParams& params = {},
                const Pose& X_WG = Pose::Identity(), const std::vector<std::string>& sets = {})
       : bone_(std::move(bone)), reference_(bone_, tool, X_WG, params) {
@@ -136,7 +135,7 @@ class EqualEngines {
   [[nodiscard]] const RunFacts& facts() const { return facts_; }
 
   /// Restores all engines, the reference too, from the reference's state. Split balls then get new numbers,
-  /// and sums another order.
+  /// and the order of summation changes.
   void RestoreAll() {
     const CarvedState state = reference_.Snapshot();
     reference_.Restore(state);

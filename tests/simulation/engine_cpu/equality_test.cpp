@@ -41,7 +41,7 @@ TEST(CpuEngine, EqualsTheReferenceBitForBitWhileReamingAThousandFrames) {
   ExpectEqualStatesAndAtLeast(engines, {.force_N = 100.0, .touching = 980, .balls = 500, .points = 500});
 }
 
-// The hand's force overcomes the edge force in soft tissue only.
+// The hand's force exceeds the edge force only in soft tissue.
 TEST(CpuEngine, EqualsTheReferenceBitForBitWithAnEdgeForce) {
   Bone bone = gpu::DefaultBone();
   for (Material& material : bone.materials) {
@@ -58,7 +58,8 @@ TEST(CpuEngine, EqualsTheReferenceBitForBitWithAnEdgeForce) {
   ExpectEqualStatesAndAtLeast(engines, {.force_N = 50.0, .touching = 150, .balls = 50, .points = 20});
 }
 
-// The bone's balls are not much smaller than the burr, so the pairs that hold the burr change all the time.
+// The bone's balls are not much smaller than the burr, so the pairs of balls that stop the burr change all
+// the time.
 TEST(CpuEngine, EqualsTheReferenceBitForBitWhileBurringTwoThousandFrames) {
   Tool tool;
   tool.balls.push_back({.center_m = Vector3(0, 0, 4e-3), .radius_m = 4e-3, .cutting = true});
@@ -74,8 +75,8 @@ TEST(CpuEngine, EqualsTheReferenceBitForBitWhileBurringTwoThousandFrames) {
   ExpectEqualStatesAndAtLeast(engines, {.force_N = 5.0, .touching = 1500, .balls = 50, .points = 5});
 }
 
-// The tool rotates, and the spindle is on and off. Either all of its balls cut or only the one that touches
-// first.
+// The tool rotates, and the spindle is switched on and off. Either all of its balls cut or only the one that
+// touches first.
 TEST(CpuEngine, EqualsTheReferenceBitForBitForARotatingShellOfSixtyBalls) {
   constexpr int kFrames = 250;
   for (const Cutters cutters : {Cutters::kAll, Cutters::kContactSphere}) {
@@ -114,7 +115,7 @@ TEST(CpuEngine, EqualsTheReferenceBitForBitWithTheImmediateLaw) {
   ExpectEqualStatesAndAtLeast(engines, {.force_N = 1.0, .touching = 50, .balls = 100, .points = 50});
 }
 
-// Splitting runs into both of its limits: the pool's size and the budget of a frame.
+// Splitting reaches both of its limits: the pool's size and the budget of a frame.
 TEST(CpuEngine, EqualsTheReferenceBitForBitWhileSplittingBalls) {
   CuttingParams params;
   params.split.on = true;

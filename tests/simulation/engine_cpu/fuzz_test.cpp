@@ -43,7 +43,7 @@ class Chance {
   std::mt19937 random_;
 };
 
-// A random scene of about size_m around middle_G.
+// A random scene of about the size size_m around the point middle_G.
 struct Scene {
   Bone bone;
   Tool tool;

@@ -13,15 +13,15 @@
 namespace osteon::simulation {
 namespace {
 
-/// The solid without the sweep along the scene's path of a ball larger than the tool by `over_m` (negative:
-/// smaller).
+/// The solid minus a sweep along the scene's path. The sweep is that of a ball that is larger than the tool
+/// by `over_m` (negative: smaller).
 class OvercutShape final : public CarvedShape {
  public:
   OvercutShape(const Solid& solid, const DepthScene& scene, double over_m)
       : solid_(solid), scene_(scene), radius_m_(scene.tool.balls.front().radius_m + over_m) {}
 
-  // Distance to a box without capsules: exact in the middle of the cut, where these tests use it, and
-  // elsewhere a lower bound.
+  // Distance to a box minus capsules. It is exact in the middle of the cut, which these tests use, and a
+  // lower bound elsewhere.
   [[nodiscard]] double Distance(const Vector3& p, double at_most_m) const override {
     double axis = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i + 1 < scene_.corners_m.size(); ++i)
@@ -105,7 +105,8 @@ TEST(CutAccuracy, DoesNotDependOnThreadsAndRefusesNoCut) {
   EXPECT_THROW((void)MeasureCut(*scene.solid, whole, after, Swept(scene), params), std::invalid_argument);
 }
 
-// The largest overlap is that of the ball of 2.25 mm, 7 - 5 = 2 mm from the sweep; a removed ball has none.
+// The largest overlap is that of the ball of radius 2.25 mm: its centre is 7 - 5 = 2 mm below the sweep, so
+// the overlap is 0.25 mm. A removed ball has none.
 TEST(MaxOverlap, IsThatOfTheBallDeepestInTheSweep) {
   const DepthScene scene = MakeBlockScene();
   const std::vector<Ball> balls{{.center_m = Vector3(0, 0, -7e-3), .radius_m = 1.5e-3},

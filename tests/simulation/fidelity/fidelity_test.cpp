@@ -115,8 +115,8 @@ TEST(FrameCost, FitsALineAndIgnoresInterruptedFrames) {
   EXPECT_GT(cost.tail_ratio, 1.0);
 }
 
-// On few cores the threads wait for each other, so nearly all frames count as interrupted. The median must be
-// that of all frames, the 99.9th percentile that of the ten uninterrupted ones.
+// On few cores the threads wait for each other, so nearly all frames are treated as interrupted. The median
+// must be that of all frames, but the 99.9th percentile that of the ten uninterrupted frames.
 TEST(FrameCost, MedianIsOfAllFramesAndTheTailOfUninterruptedOnes) {
   std::vector<FrameSample> samples;
   for (int k = 0; k < 900; ++k)
@@ -155,7 +155,8 @@ TEST(FrameCost, BaseAndCostOfABallAreNeverNegative) {
 // The kinematic level ignores the arm's delay and its deflection under force, the servo level only the
 // deflection.
 TEST(ArmFidelity, LowestLevelIsTheSimplestWithinTheError) {
-  // 5 mm/s with a delay of 3 ms and twice the time constant of 15 Hz: 0.121 mm; 100 N on 2 N/um: 0.05 mm
+  // lag at 5 mm/s, by a delay of 3 ms plus twice the time constant of 15 Hz: 0.121 mm; deflection by 100 N at
+  // 2 N/um: 0.05 mm
   const ArmFigures arm{.stiffness_N_per_m = 2e6};
   EXPECT_NEAR(ArmError(ArmFidelity::kKinematic, arm), 0.121e-3 + 0.05e-3, 0.001e-3);
   EXPECT_DOUBLE_EQ(ArmError(ArmFidelity::kServo, arm), 0.05e-3);

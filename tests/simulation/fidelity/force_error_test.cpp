@@ -7,7 +7,7 @@
 
 #include "simulation/fidelity/force_error.h"
 
-// Tests of the errors between a force that was felt and the exact force, both given frame by frame.
+// Tests of the errors between a method's force and the exact force, both given frame by frame.
 
 namespace osteon::simulation {
 namespace {
@@ -37,8 +37,8 @@ TEST(ForceErrors, AForceRotatedByTwoDegreesHasThatAngleError) {
   EXPECT_NEAR(errors.force_rms_N, 20.0 * std::sin(0.5 * angle), 1e-9);  // chord of the angle
 }
 
-// One frame of 100 is off by 5 N and 0.2 N·m. At 2 kHz a frame takes 0.5 ms, so the jump in a millisecond is
-// twice that.
+// One of 100 frames has an error of 5 N and 0.2 N·m. At 2 kHz a frame takes 0.5 ms, so the jump in a
+// millisecond is twice that.
 TEST(ForceErrors, MeasureTheJumpOfASingleFrame) {
   auto felt = Steady(100, {0, 0, 10});
   const auto exact = felt;

@@ -12,8 +12,8 @@
 namespace osteon::simulation {
 namespace {
 
-// The hand is a mass with drag: M a = F - D v has v = F / D (1 - exp(-D t / M)) from rest. The implicit step
-// of 1 ms is off by the order of D dt / 2M, 5 %.
+// The hand is a mass with drag: M a = F - D v has v = F / D (1 - exp(-D t / M)) from rest. The error of an
+// implicit step of 1 ms is of the order D dt / 2M, 5 %.
 TEST(PressingHand, WithoutContactApproachesForceOverDrag) {
   PressingHandParams params{.force_N = 60.0, .ramp_N_per_s = 1e9, .mass_kg = 3.0, .drag_Ns_per_m = 300.0};
   PressingHand hand(params);

@@ -91,8 +91,8 @@ TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
   EXPECT_FALSE(ReachedPose(carved, Pose(counted.X_GP) * Pose(Eigen::Translation3d(0, 0, 2e-6)),
                            ToolLever(tool_), 1e-6));
 
-  // The remaining bone is clear of the tool's path, and lacks as much beyond the path as if the tool had cut
-  // the coarse packing directly.
+  // The remaining bone must be clear of the tool's path. Beyond the path it must lack as much bone as if the
+  // tool had cut the coarse packing directly.
   ReferenceEngine direct = Engine(bone);
   for (std::size_t k = 0; k < work_.cut_end; ++k) direct.Step(work_.frames[k]);
   const auto measured = [&](const ReferenceEngine& engine) {
@@ -104,8 +104,8 @@ TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
   EXPECT_LT(cut.MeanLeft_m(), 0.02e-3);
   EXPECT_NEAR(cut.depth_error_m, own.depth_error_m, 0.05 * own.depth_error_m);
 
-  // The coarse engine takes over: the removed volume and mass continue, and the tool meets the face at the
-  // same place.
+  // The coarse engine replaces the fine one: the totals of removed volume and mass must continue, and the
+  // tool must touch the cut face at the same place.
   coarse.Restore(MergeBooks(carved, counted));
   const FrameInput& pressed = work_.frames[work_.feel_begin];
   const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
@@ -118,7 +118,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
   EXPECT_GT(depth_m, 0.1e-3) << "it holds the tool";
 }
 
-// The trail covers half of the cut: the second packing must be free there and intact beyond.
+// The recorded path covers half of the cut. The second packing must be cut along that half and intact beyond.
 TEST_F(Recarve, BoneBeyondTheTrailStays) {
   ReferenceEngine fine = Engine(Packed(0.8e-3));
   ProxyTrail half(ToolLever(tool_), 20e-6);

@@ -26,7 +26,7 @@ struct Carved {
 
 /// The cut of MakeCupScene: the whole surface of a cup, 3 mm deep.
 CutShape CupShape() {
-  // no rim: the cut thins out to nothing at the shell's rim
+  // no rim, because the cut's depth falls to zero at the shell's rim
   return {
       .tool_radius_m = 25e-3, .along_surface = true, .depth_m = 3e-3, .area_m2 = 2.0 * M_PI * 25e-3 * 25e-3};
 }
@@ -80,7 +80,7 @@ TEST(RemovalError, PredictionHoldsInATrench) {
   }
 }
 
-// Large balls that overlap heavily resolve the face well and the rim badly. Without the rim's term the
+// Large balls that overlap heavily reproduce the cut face well, but the rim badly. Without the rim's term the
 // prediction would be less than two thirds of the measured loss.
 TEST(RemovalError, PredictionIncludesTheRim) {
   const CutShape cut = TrenchShape();

@@ -14,7 +14,8 @@
 #include "tests/simulation/files/carved_samples.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// Tests of the file of a carved state: a run resumes from it, and every damage is refused with the byte.
+// Tests of the file of a carved state. A run can resume from the file. Every damaged file is refused, with
+// the number of the wrong byte.
 
 namespace osteon::simulation {
 namespace {

@@ -257,7 +257,7 @@ TEST(MeshReading, NamesOfPartsAreConvertedToUtf8) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->report.shells.at(0).name,
             "H\xc3\xbc"
-            "fte \xc3\xa2\xc2\x82\xc2\xac");  // each of the euro sign's bytes became a Latin-1 letter
+            "fte \xc3\xa2\xc2\x82\xc2\xac");  // each byte of the euro sign is read as a Latin-1 letter
   const TemporaryFile sound(".obj",
                             "o H\xc3\xbc"
                             "fte # left\n" +

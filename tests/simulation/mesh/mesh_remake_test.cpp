@@ -8,9 +8,9 @@
 #include "simulation/mesh/winding_number.h"
 #include "simulation/solids/mesh_solid.h"
 
-// Tests of meshes that bound no solid and are remade as a closed surface on a grid, if a command asks for it.
-// The oracles are the solids' volumes in closed form. Grids are coarse: 1e5 points, a step of about 0.9 mm
-// for a sphere of radius 20 mm.
+// Tests of meshes that bound no solid. If a command asks for `remake`, a closed surface is made from them on
+// a grid. The oracles are the solids' volumes in closed form. Grids are coarse: 1e5 points, a step of about
+// 0.9 mm for a sphere of radius 20 mm.
 
 namespace osteon::simulation {
 namespace {
@@ -28,7 +28,7 @@ tl::expected<LoadedMesh, MeshError> Load(const TriangleMesh& mesh, const MeshPar
   return LoadMesh(file.path(), params);
 }
 
-/// Expects that the mesh is refused without `remake`, and has this volume within 1 % with it.
+/// Expects that the mesh is refused without `remake`, and that with `remake` it has this volume within 1 %.
 MeshRemake ExpectRemade(const TriangleMesh& mesh, double volume_m3) {
   const auto refused = Load(mesh, {});
   EXPECT_FALSE(refused);
@@ -179,7 +179,8 @@ TEST(MeshRemake, TheSmallestShellsBeyondSixtyFourAreDropped) {
   EXPECT_EQ(remake.dropped_shells, 7u);
 }
 
-// A sheet, and parts of a sphere that are open by half or more; then boxes that are too small and too large.
+// First a sheet and parts of a sphere of which half or more is open, then boxes that are too small and too
+// large.
 TEST(MeshRemake, SurfacesThatEncloseNothingAreRefusedWithTheReason) {
   TriangleMesh sheet;
   for (int y = 0; y < 2; ++y)

@@ -90,7 +90,7 @@ TEST(MeshRepair, OpenGroupsThatFitTogetherAreJoined) {
   const auto loaded = LoadMesh(file.path());
   ASSERT_TRUE(loaded) << loaded.error().message;
   ASSERT_EQ(loaded->report.shells.size(), 1u);
-  EXPECT_EQ(loaded->report.welded_vertices, 0u);  // at exactly the same place: no repair
+  EXPECT_EQ(loaded->report.welded_vertices, 0u);  // the groups' vertices coincide exactly: no repair
   EXPECT_NEAR(SignedVolume_m3(loaded->mesh), 8e-6, 1e-14);
 }
 

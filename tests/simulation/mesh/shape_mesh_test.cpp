@@ -6,8 +6,7 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
-// Tests of meshes made of shapes: of the zero level of a function, and of rings of corners one above the
-// other.
+// Tests of meshes that are made from a function's zero level, or from rings of corners one above the other.
 
 namespace osteon::simulation {
 namespace {
@@ -21,7 +20,7 @@ double Sphere(const Vector3& p) { return p.norm() - 0.010; }
 
 Eigen::AlignedBox3d Cube(double half_m) { return {Vector3::Constant(-half_m), Vector3::Constant(half_m)}; }
 
-/// EulerCharacteristic characteristic, vertices - edges + triangles: 2 for a ball, 0 for a ring.
+/// Euler characteristic, vertices - edges + triangles: 2 for a ball, 0 for a ring.
 long EulerCharacteristic(const TriangleMesh& mesh) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& t : mesh.triangles)

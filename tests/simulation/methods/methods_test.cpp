@@ -14,8 +14,8 @@
 #include "simulation/methods/paper_math.h"
 #include "tests/simulation/engine/engine_bench.h"
 
-// Tests of the methods that the engine is compared with. Each must perform as well as its kind of method can,
-// so that the comparison is fair; the last tests show the known weaknesses of each.
+// Tests of the methods that the engine is compared with. Each method must perform as well as its kind can, so
+// that the comparison is fair. The last tests show the known weaknesses of each method.
 
 namespace osteon::simulation {
 namespace {
@@ -72,9 +72,9 @@ TEST_P(Methods, ResistAFlatFaceWithTheCouplingsForce) {
   const auto engine = plate.Make(GetParam(), BallTool(0.004));
   constexpr double kDepth_m = 0.5e-3;
   const ContactModel model = LowerTo(*engine, 0.5e-3, -kDepth_m);
-  // K times the depth, upwards. The felt plane is below the face by up to half a voxel or the packing's
-  // roughness of 0.02 mm. The pointshell's penalty gives way by 1/20 of the depth if ten points touch, and by
-  // a third if one does.
+  // The force is K times the depth, upwards. The method's contact plane may be below the face by half a voxel
+  // or by the packing's roughness of 0.02 mm. The pointshell's penalty force is smaller: the tool sinks in by
+  // 1/20 of the depth if ten points touch, and by a third if one point touches.
   const double expected_N = 20e3 * kDepth_m, surface_N = 20e3 * 0.5 * kVoxel_m;
   const double least =
       GetParam() == Method::kPointshell ? (expected_N - surface_N) / 1.35 : expected_N - surface_N;
@@ -129,7 +129,7 @@ std::vector<Method> AllButThePrintedPaper() {
   return methods;
 }
 
-// All methods that have a rate of removal: the paper as printed has none.
+// All methods that have a rate of removal. The paper's method as printed has none.
 class MethodsWithRemovalRate : public Methods {};
 INSTANTIATE_TEST_SUITE_P(, MethodsWithRemovalRate, testing::ValuesIn(AllButThePrintedPaper()), NameOf);
 
@@ -145,9 +145,9 @@ TEST_P(MethodsWithRemovalRate, CutAtTheRateOfTheEnergyBalance) {
     work_J = model.cutting_work_J;
   }
   EXPECT_GT(work_J, 0.01);
-  // Points and voxels are removed as a whole, so cleared energy runs ahead of the spindle's work at first.
-  // The difference is recovered over 0.1 s of cutting, a quarter of this run. A step of the pointshell's
-  // advance frees only its deepest voxel, so its recovery takes longer.
+  // Points and voxels are removed as a whole, so at first the energy of the removed bone exceeds the
+  // spindle's work. The difference is made up over 0.1 s of cutting, a quarter of this run. A step of the
+  // pointshell's advance frees only its deepest voxel, so its recovery takes longer.
   EXPECT_NEAR(work_J, edge_J, (GetParam() == Method::kPointshell ? 0.5 : 0.25) * edge_J);
 }
 
@@ -159,7 +159,7 @@ TEST_P(MethodsWithRemovalRate, SpindleTorqueIsTheMeanOverALongFrame) {
   const double dt_s = 0.05, depth_m = Vector3(pressed.F_T_W.f).norm() / 20e3;
   const ContactModel model =
       engine->Step({.X_WT = Down({0, 0, -0.2e-3}), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = dt_s});
-  // the bone gives way by a large part of the depth, so the force is much smaller at the frame's end
+  // the tool advances by a large part of the depth, so the force is much smaller at the frame's end
   EXPECT_GT(model.advance_m_per_s * dt_s, 0.3 * depth_m);
   // the spindle's work equals that of the edge's travel, to rounding
   const double work_J = kSoft * model.engaged_area_m2 * model.advance_m_per_s * dt_s;
@@ -280,7 +280,7 @@ TEST(PaperPrinted, LosesContactOnceTheToolOverlapsTheBone) {
   boulder.balls = {{.center_m = Vector3(0, 0, -3e-3), .radius_m = 3e-3}};
   for (const Method method : {Method::kPaperPrinted, Method::kPaperCorrected}) {
     const auto engine = MakeMethod(method, boulder, nullptr, BallTool(0.002), Pose::Identity(), {}, {});
-    engine->Step(At(Down({0, 0, -0.05e-3})));  // the first pose counts as free, and overlaps
+    engine->Step(At(Down({0, 0, -0.05e-3})));  // the first pose counts as free, although it overlaps
     const ContactModel model = engine->Step(At(Down({0, 0, -1.05e-3})));
     if (method == Method::kPaperPrinted)
       EXPECT_EQ(model.F_T_W.f.z, 0.0);

@@ -65,8 +65,8 @@ TEST(DepthTable, HeavilyOverlappingBallsMeetTheCupsLimits) {
   EXPECT_LE(row.accuracy.probes[2].p95_m, 0.04e-3);
   EXPECT_NEAR(coarse.accuracy.depth_error_m, row.accuracy.depth_error_m, 0.005e-3);
   EXPECT_GT(theirs.accuracy.depth_error_m, 4.0 * row.accuracy.depth_error_m);
-  // A plan compares its packing with this predicted number of disjoint balls. The prediction must rather be
-  // too low, so that it does not favour the plan.
+  // A plan compares its packing with this predicted number of disjoint balls. If the prediction is wrong, it
+  // must be too low, so that it does not favour the plan.
   const double shell_m3 = 2.0 / 3.0 * std::numbers::pi * (std::pow(33e-3, 3) - std::pow(25e-3, 3)),
                predicted = PredictDisjointBalls(theirs.accuracy.depth_error_m, shell_m3);
   EXPECT_LT(predicted, static_cast<double>(theirs.balls));

@@ -26,8 +26,8 @@ std::vector<double> Sine(std::size_t count, double amplitude, double hz, double 
   return signal;
 }
 
-// The window's main lobe is four bins wide and lies within the band. Its side lobes in the other band hold
-// less than 1e-3.
+// The window's main lobe is four bins wide and lies within the band. Its side lobes in the other band have
+// less than 1e-3 of the sine's amplitude.
 TEST(Ripple, ASineCountsWithItsRmsInItsOwnBandOnly) {
   for (const double hz : {12.0, 25.4, 30.0}) {
     const std::vector<double> slow = Sine(1000, 3.0, hz);

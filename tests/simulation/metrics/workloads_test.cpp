@@ -16,8 +16,9 @@
 namespace osteon::simulation {
 namespace {
 
-// While it touches, the tool's centre is off its cutting path by the offset. Oracle for the nearest point of
-// the path: a search over all poses of the cut.
+// While the tool touches the cut bone, its centre deviates from the cutting path by a known offset. The exact
+// force is the spring to the nearest point of that path. Oracle for this point: a search over all poses of
+// the cut.
 TEST(CutWorkload, ExactForceIsTheSpringToTheNearestPointOfThePath) {
   for (const CutTask task : kCutTasks)
     for (const std::uint64_t seed : {0u, 3u}) {
@@ -79,7 +80,7 @@ TEST(CutWorkload, RefusesInvalidRatesFeedsAndOffsets) {
   EXPECT_THROW((void)MakeCutWorkload(CutTask::kPlunge, {.offset_m = 2e-3}), std::invalid_argument);
 }
 
-// The reference engine on a coarse packing comes near the plunge's closed forms, which confirms the
+// The reference engine on a coarse packing must come near the closed forms of the plunge, which confirms the
 // workload's exact values. A run that removed nothing must have a bad score.
 TEST(WorkloadScores, AreGoodForTheReferenceEngineAndBadForAnUncutBone) {
   const CutWorkload work = MakeCutWorkload(CutTask::kPlunge, {.feed_m_per_s = 0.060});
@@ -104,7 +105,7 @@ TEST(WorkloadScores, AreGoodForTheReferenceEngineAndBadForAnUncutBone) {
   EXPECT_GT(scores.lost_m, 0.005e-3);
   EXPECT_LT(scores.lost_m, 0.08e-3);
   EXPECT_LT(scores.left_m, 1e-6);
-  // the packing gives way by at most 0.06 mm of the 0.5 mm of offset, 12 %
+  // the tool sinks into the packing by at most 0.06 mm of the 0.5 mm of offset, 12 %
   EXPECT_LT(scores.force.force_relative, 0.12);
   EXPECT_LT(scores.force.normal_rms_deg, 6.0);
   EXPECT_LT(scores.ripple, 0.05);

@@ -78,8 +78,8 @@ TEST_F(MassPoints, SumUpToTheVolumeOfEachTissue) {
   EXPECT_NEAR(volume(kCortical), cortical, 0.01 * cortical);
 }
 
-// As in the demo: the crescent between the cup and a reamer of diameter 50 mm whose centre is 3 mm below the
-// cup's.
+// The swept volume of the demo: the crescent between the cup and a reamer of diameter 50 mm whose centre is 3
+// mm below the cup's.
 TEST_F(MassPoints, SumUpToTheVolumeThatAReamerSweeps) {
   const double reamer = 0.025, depth = 0.003;
   double exact = 0.0;  // integrated by slices across the axis
@@ -127,8 +127,8 @@ TEST_F(MassPoints, HaveTheBonesCenterOfMassAndSecondMoments) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(second[axis], moments[axis], 0.004 * moments[axis]);
 }
 
-// The smallest spacing that each point's cell may have. It depends on the depth of the cell's centre, which
-// is up to half a diagonal from the point.
+// The smallest spacing that each point's cell may have. The spacing depends on the depth of the cell's
+// centre, which may be half a diagonal away from the point.
 std::vector<double> MinSpacings(const std::vector<MassPoint>& points, const CutZone& zone,
                                 const GradeParams& cells) {
   std::vector<double> spacings;
@@ -151,8 +151,8 @@ TEST_F(MassPoints, StayAtLeastHalfASpacingApart) {
   EXPECT_GE(distances.mean_over_spacing, 0.85);
 }
 
-// Every place in the bone has a point within 1.5 separations; at a border between cell sizes, of the coarser
-// cells.
+// Every place in the bone has a point within 1.5 separations. At a border between cell sizes, the separation
+// is that of the coarser cells.
 TEST_F(MassPoints, LeaveNoHoles) {
   const AcetabulumSolid solid{{}};
   const CupZone zone(solid.cup());
@@ -165,7 +165,7 @@ TEST_F(MassPoints, LeaveNoHoles) {
     const double spacing = depth > 12e-3 - 2.6e-3 ? 3e-3 : depth > 5e-3 - 1.3e-3 ? 1.5e-3 : 0.75e-3;
     double nearest = 1.0;
     for (const MassPoint& point : points_) nearest = std::min(nearest, (p - Vector3(point.p_m)).norm());
-    // 0.43 is the diagonal of the distance between a cell's samples, which are a quarter of a cell apart
+    // the samples of a cell are a quarter of a cell apart; 0.43 cells is the diagonal of this distance
     ASSERT_LE(nearest, (1.5 * kMassPointSeparation + 0.43) * spacing) << p.transpose();
   }
 }
@@ -224,9 +224,10 @@ TEST(ThinMassPoints, SumUpToTheVolumeOfBoneThinnerThanTheirSpacing) {
 
 // A cut may follow any face, so the volumes of thin layers below all faces must be right. Within a cell,
 // volume is assigned by slabs that follow the surface; near the box's edges they follow only one of the two
-// faces, which explains the tolerance. Volumes assigned to the nearest point would be off by 15 to 25 %.
+// faces, which explains the tolerance. If each volume were assigned to the nearest point, the error would be
+// 15 to 25 %.
 TEST(UniformMassPoints, SumUpToTheVolumeOfThinLayersBelowEveryFace) {
-  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // of the faces relative to the cells, in spacings
+  for (const double shift : {0.0, 1.0 / 3.0, 0.5}) {  // shift of the faces against the cells, in spacings
     const double half = 0.01, spacing = 0.5e-3, off = shift * spacing;
     const BoxSolid solid(Vector3::Constant(off - half), Vector3::Constant(off + half));
     const std::vector<MassPoint> points =

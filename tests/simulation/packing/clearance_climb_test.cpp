@@ -19,7 +19,7 @@ Vector3 RandomUnit(std::mt19937_64& random) {
 }
 
 // A ridge walk maximizes the smallest of several linear bounds, which is a linear programme in the step and
-// the clearance. Oracle: each four bounds that are active together are a candidate, and the best that
+// the clearance. Oracle: any four bounds that are active together give a candidate. The best candidate that
 // satisfies all bounds is the optimum.
 TEST(RidgeWalk, ReachesTheOptimumOfTheLinearProgramme) {
   std::mt19937_64 random(2);
@@ -90,8 +90,7 @@ TEST_F(InABox, TheHoleInACornerTouchesThreeFacesAndTheBall) {
   EXPECT_NEAR(hole.radius_m, (2.0 - std::sqrt(3.0)) * 0.05, 1e-6 * 0.05);
 }
 
-// Where the cap on the radius is smaller than the hole, the ball comes to rest in the hollow above three
-// balls.
+// If the cap on the radius is smaller than the hole, the ball comes to rest in the hollow above three balls.
 TEST_F(InABox, ABallOfLimitedRadiusRestsOnThreeBalls) {
   for (int i = 0; i < 3; ++i) {
     const double angle = 2.0 * std::numbers::pi / 3.0 * i;
@@ -150,7 +149,7 @@ TEST(DistanceGrid, LowerBoundNeverExceedsTheDistance) {
     ASSERT_GE(slack, 0.0);
     if (solid.SignedDistance(p) < 0.0) nearest = std::min(nearest, slack);
   }
-  EXPECT_LT(nearest, 0.1e-3);  // and the bound is not trivial
+  EXPECT_LT(nearest, 0.1e-3);  // the lower bound is not simply very low
 }
 
 }  // namespace

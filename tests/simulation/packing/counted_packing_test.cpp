@@ -11,7 +11,7 @@
 #include "simulation/solids/acetabulum_solid.h"
 #include "simulation/solids/ball_solid.h"
 
-// Tests of packings with a wanted number of balls that keep the scene's packing in the cut zone, or are
+// Tests of packings with a given number of balls. They keep the scene's packing in the cut zone, or they are
 // uniform.
 
 namespace osteon::simulation {
@@ -79,7 +79,7 @@ TEST(CountedPacking, KeepsTheCutZonesBallsAndReachesTheCountWithTheRest) {
   }
 }
 
-// A count below that of the cut zone alone: the zone cannot keep its balls.
+// The count is smaller than the number of balls in the cut zone, so the zone cannot keep its balls.
 TEST(CountedPacking, IsCoarserEverywhereForAVerySmallCount) {
   const AcetabulumSolid solid({});
   const CupZone zone(solid.cup());

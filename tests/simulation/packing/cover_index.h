@@ -60,7 +60,7 @@ class CoverIndex {
         }
   }
 
-  /// True where p lies within `gap_m` of some ball. @pre 0 <= gap_m <= margin_m
+  /// True if p lies within `gap_m` of some ball. @pre 0 <= gap_m <= margin_m
   [[nodiscard]] bool Covers(const Vector3& p, double gap_m) const { return Gap(p) <= gap_m; }
 
   /// Distance from p to the union of the balls, 0 or negative inside; at most margin_m.

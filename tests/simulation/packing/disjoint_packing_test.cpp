@@ -141,7 +141,7 @@ TEST(DisjointPacking, WithoutACountFillsUntilNoBallFits) {
     }
 }
 
-// The result of a count that does not fit is a full packing, with fewer balls than the count.
+// If the count does not fit, the result is a full packing with fewer balls than the count.
 TEST(DisjointPacking, ReturnsFewerBallsThanTheCountIfNoMoreFit) {
   const BoxSolid box = CenteredBox(Vector3(0.02, 0.02, 0.02));
   const DisjointParams until_full{.count = 0, .min_radius_m = 1e-3};
@@ -213,8 +213,8 @@ TEST(DisjointPacking, EqualBallsAreAsDenseAsPouredOnes) {
   EXPECT_GT(Volume_m3(balls) / Volume_m3(box), 0.52);
 }
 
-// The lower limits are near this packer's own results, to notice a change for the worse. One ball covers pi/6
-// of a cube.
+// The lower limits are close to this packer's own results, so that the test notices if the packer becomes
+// worse. One ball covers pi/6 of a cube.
 TEST(DisjointPacking, CoverageOfACubeIsNotBelowItsKnownValues) {
   const BoxSolid box = CenteredBox(Vector3(0.1, 0.1, 0.1));
   double last = 0.0;

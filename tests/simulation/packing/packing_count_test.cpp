@@ -10,7 +10,7 @@
 #include "simulation/solids/mesh_solid.h"
 #include "tests/simulation/packing/cover_index.h"
 
-// Tests of overlapping packings with a wanted number of balls.
+// Tests of overlapping packings with a given number of balls.
 
 namespace osteon::simulation {
 namespace {
@@ -71,8 +71,8 @@ Cover Measure(const std::vector<Ball>& balls, double radius_m) {
   return cover;
 }
 
-constexpr double kRoundRadius_m = 0.020;    // of the round solid
-constexpr double kMaxBallRadius_m = 0.003;  // of the packed balls
+constexpr double kRoundRadius_m = 0.020;    // radius of the round solid
+constexpr double kMaxBallRadius_m = 0.003;  // largest packed balls
 
 TEST(PackingCount, IsReachedExactly) {
   const RoundSolid round(kRoundRadius_m);

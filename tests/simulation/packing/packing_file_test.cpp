@@ -99,7 +99,7 @@ TEST_F(PackingFileTest, ALoadedPackingIsSavedToTheSameBytes) {
 
 TEST_F(PackingFileTest, MinusZeroIsSavedAsZero) {
   Bone bone = SomeBone(3, 2);
-  // rounds to minus zero on the grid, and the origin is zero
+  // -1e-12 m rounds to minus zero on the grid, whose origin is zero here
   bone.balls = {{.center_m = Vector3(-1e-12, -0.0, 0.01), .radius_m = 1e-3},
                 {.center_m = Vector3(0.0, 0.0, -0.01), .radius_m = 1e-3}};
   bone.points = {{.p_m = Vector3(-1e-13, 0.0, -0.0), .volume_m3 = 1e-9, .material = 0}};
@@ -161,7 +161,7 @@ TEST_F(PackingFileTest, PointsAndSiteMayBeAbsent) {
   EXPECT_EQ(file->ToBone().site.radius_m, 0.0);
 }
 
-// Threads check pieces of a mebibyte each; this file has three pieces and a rest.
+// Threads check pieces of a mebibyte each; this file has three whole pieces and a part of one.
 TEST_F(PackingFileTest, TheFirstBadBallIsNamedForAnyNumberOfThreads) {
   std::string bytes = Saved(SomeBone(200'000, 0));
   for (const std::size_t i : {199'999u, 150'000u, 140'001u})

@@ -143,14 +143,16 @@ TEST(BallForest, GapAndOverlapEqualThoseOfPlainLoops) {
   }
 }
 
-// Without balls nothing is covered, and the gap is infinite.
+// The packing has no balls, so nothing is covered and the gap is infinite. The solid's volume and area are
+// measured nevertheless.
 TEST(PackingQuality, SamplesMeasureTheAcetabulumsVolumeAndArea) {
   const double R = 0.024;
   const PackingQuality quality =
       MeasurePacking(AcetabulumSolid({}), {}, {.samples = 200'000, .surface_samples = 100'000});
   EXPECT_NEAR(quality.solid_volume_m3, 0.08 * 0.08 * 0.06 - 0.5 * BallVolume_m3(R),
               0.003 * quality.solid_volume_m3);
-  // The block has 2 (80² + 2·80·60) mm² of faces; the cup replaces pi R² of them by 2 pi R². Samples: 0.3 %.
+  // The block has 2 (80² + 2·80·60) mm² of faces; the cup replaces pi R² of them by 2 pi R². The samples give
+  // 0.3 %.
   EXPECT_NEAR(quality.surface_area_m2, 2 * 0.08 * 0.08 + 4 * 0.08 * 0.06 + pi * R * R,
               0.01 * quality.surface_area_m2);
   EXPECT_EQ(quality.coverage, 0.0);

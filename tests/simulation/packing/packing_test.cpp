@@ -85,7 +85,7 @@ TEST_F(Packing, FollowsTheCupsSurfaceWithinHundredthsOfAMillimetre) {
               gap.max_mm, balls_.size());
   EXPECT_LE(gap.mean_mm, 0.017);
   EXPECT_LE(gap.p95_mm, 0.042);
-  EXPECT_LE(gap.max_mm, 0.30);  // at the rim, a sharp edge that balls cannot fill
+  EXPECT_LE(gap.max_mm, 0.30);  // the largest gap is at the rim, a sharp edge that balls cannot fill
 }
 
 TEST_F(Packing, FollowsTheRimWhereAReamerTouchesFirst) {
@@ -119,9 +119,9 @@ TEST_F(Packing, HasNoHolesNearTheCupAndOnlySmallOnesElsewhere) {
   EXPECT_GE(deep_covered, 0.999 * deep);
 }
 
-// Overlapping balls serve to lose little bone beyond the tool's sweep. A reamer of diameter 50 mm goes in
-// along the axis; each ball that it meets shrinks to the largest ball inside the old one and outside the
-// sweep (docs/cutting.md, pass 3).
+// The purpose of overlapping balls is that little bone is lost beyond the tool's sweep. A reamer of diameter
+// 50 mm goes in along the axis; each ball that it meets shrinks to the largest ball inside the old one and
+// outside the sweep (docs/theory/removal.md).
 TEST_F(Packing, LosesLittleBoneBeyondAReamersSweep) {
   const double reamer = 0.025;
   for (const double depth : {0.5e-3, 2e-3, 4e-3}) {

@@ -136,7 +136,7 @@ TEST(BallRemoval, SplitsOnlyLargeBallsAndOnceAtTheirFirstTouch) {
   BallRemoval removal(balls, Split());
   const Capsule near{.a = {0, 0, 5e-3}, .b = {0, 0, 4e-3}, .radius_m = 1.9e-3};
   removal.Remove({&near, 1}, balls);
-  EXPECT_EQ(removal.blocks_in_use(), 0u);  // 0.1 mm away
+  EXPECT_EQ(removal.blocks_in_use(), 0u);  // the capsule ends 0.1 mm away
   const std::vector<Capsule> touch{{.a = {0, 0, 5e-3}, .b = {0, 0, 3.8e-3}, .radius_m = 1.9e-3},
                                    {.a = {10e-3, 0, 5e-3}, .b = {10e-3, 0, 2.1e-3}, .radius_m = 1.9e-3}};
   removal.Remove(touch, balls);
@@ -179,7 +179,7 @@ TEST(BallRemoval, BlocksOfClearedBallsAreReusedFromTheNextFrameOn) {
   EXPECT_EQ(removal.refused(), 1u);
   EXPECT_EQ(removal.blocks_in_use(), 1u);
   EXPECT_EQ(removal.max_blocks_in_use(), 1u);
-  // children of a ball that was cut before lie in the rest of that ball
+  // this ball was cut before it was split: its children must lie in what was left of it
   for (std::size_t i = 2; i < balls.size(); ++i) {
     if (balls[i].radius_m > 0.0) {
       EXPECT_LE((balls[i].center_m - Vector3(20e-3, 0, -0.05e-3)).norm() + balls[i].radius_m,
@@ -198,7 +198,7 @@ TEST(BallRemoval, AnExhaustedPoolSplitsTheFirstBallsAndCountsTheOthers) {
   EXPECT_GT(removal.refused(), 10u);
   EXPECT_EQ(removal.blocks_in_use(), 5u);
   EXPECT_LT(WorstOverlap(balls, capsules), 1e-12);
-  // the five are the first that an unlimited pool would split
+  // the five split balls must be the first five that an unlimited pool would split
   Balls all = Lattice(6);
   BallRemoval free(all, Split());
   free.Remove(capsules, all);
@@ -208,7 +208,8 @@ TEST(BallRemoval, AnExhaustedPoolSplitsTheFirstBallsAndCountsTheOthers) {
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));
 }
 
-// Two orders of touching the balls give different block numbers, but must give the same saved state.
+// If the tool touches the balls in another order, their children get other block numbers. The saved state
+// must be the same.
 TEST(BallRemoval, ASavedStateDoesNotDependOnBlockNumbers) {
   const auto touch = [](double x, double down) {
     return Capsule{.a = {x, 0, 9e-3}, .b = {x, 0, 4e-3 - down}, .radius_m = 2.2e-3};
@@ -223,7 +224,7 @@ TEST(BallRemoval, ASavedStateDoesNotDependOnBlockNumbers) {
       removal.Remove({&one, 1}, balls);
     }
     const std::vector<Capsule> deeper{touch(0, 5e-3), touch(40e-3, 1e-3),
-                                      touch(80e-3, 2e-3)};  // clears the first
+                                      touch(80e-3, 2e-3)};  // the first capsule clears its ball
     removal.Remove(deeper, balls);
     states.push_back(StateOf(removal, balls));
     const std::uint32_t child = backwards ? 5 + 24 * 3 + 7 : 5 + 24 * 1 + 7;  // child 7 of the second ball
@@ -268,14 +269,15 @@ TEST(BallRemoval, ABudgetForEachFrameOnlyDelaysSplitting) {
   for (std::size_t i = 1; i < states.size(); ++i) {
     EXPECT_EQ(states[i].split_balls, states[0].split_balls);
     EXPECT_EQ(states[i].split_cuts, states[0].split_cuts);
-    // many small steps move a ball along another path than one long capsule: thousandths of a millimetre
+    // many small steps move a ball along a slightly different path than one long capsule, by thousandths of a
+    // millimetre
     EXPECT_NEAR(static_cast<double>(live[i]), static_cast<double>(live[0]),
                 0.05 * static_cast<double>(live[0]));
   }
 }
 
 // The tool has 60 balls, so the block of a waiting ball has no room for all capsules that hit the ball.
-// Nothing may remain in the sweep all the same.
+// Nothing may remain in the sweep nevertheless.
 TEST(BallRemoval, WaitingBallsAreCutRightWhenTheirCapsuleListIsFull) {
   Balls balls = Lattice(5);
   SplitParams params = Split();

@@ -72,8 +72,8 @@ TEST(ApexDepth, IsMeasuredFromTheCupsRadiusIfThereIsNoBone) {
   EXPECT_EQ(depth.floor_m(), 0.024);
 }
 
-/// Volume that a ball of radius R, its centre on the cup's axis d below the cup's centre, removes below the
-/// cup's sphere of radius r: ball minus lens.
+/// Volume that a ball of radius R removes below the cup's sphere of radius r: ball minus lens. The ball's
+/// centre is on the cup's axis, d below the cup's centre.
 double BelowTheCup(double R, double r, double d) {
   // lens of two balls from the volumes of its two caps (independent of LensVolume)
   const double x = (d * d + r * r - R * R) / (2 * d);  // distance of the common plane from the cup's centre

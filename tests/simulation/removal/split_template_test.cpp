@@ -55,7 +55,7 @@ TEST(SplitTemplate, ChildrenCoverTheMiddleOfTheirParent) {
   }
   EXPECT_GT(asked, 5000);
   EXPECT_EQ(bare_rotation, 0);
-  EXPECT_LT(bare_pole, 0.002 * asked);  // a shape with a pole has fewer large children
+  EXPECT_LT(bare_pole, 0.002 * asked);  // fewer large children than with a rotation
 }
 
 TEST(SplitTemplate, EachShapeHasADifferentFirstChild) {
@@ -86,7 +86,8 @@ TEST(SplitShapes, ExposedBallsHaveOutwardPolesAndBuriedBallsHaveNone) {
       ++buried;
     }
     if (c.z() < -balls[i].radius_m - 1e-9 || sides < 2e-3) continue;
-    // touches the top face away from the edges: small children lie above
+    // this ball touches the top face away from the edges: its shape must have a pole, and the pole must point
+    // up
     ASSERT_GE(shapes[i], SplitTemplate::kRotations) << i;
     EXPECT_GT(table.child(shapes[i], 0).x.normalized().z(), std::cos(20.0 * M_PI / 180.0)) << i;
     ++top;

@@ -65,7 +65,7 @@ TEST(AcetabulumSolid, TissueIsLayeredBelowTheCup) {
     EXPECT_EQ(solid.MaterialAt(0.0269 * u), kCortical);
     EXPECT_EQ(solid.MaterialAt(0.0271 * u), kCancellous);
   }
-  EXPECT_EQ(solid.MaterialAt({0.039, 0.039, -0.059}), kCancellous);  // no shell at the block's outer faces
+  EXPECT_EQ(solid.MaterialAt({0.039, 0.039, -0.059}), kCancellous);  // no cortical shell there
 }
 
 TEST(CupZone, DepthIsTheDistanceFromTheSweepOfAReamerOfTheCupsRadius) {

@@ -77,7 +77,7 @@ TEST(MassProperties, AreCombinedByTheParallelAxisTheorem) {
   EXPECT_NEAR((together.center_of_mass_m - joined.center_of_mass_m).norm(), 0.0, 1e-14);
   EXPECT_NEAR((together.inertia_kg_m2 - joined.inertia_kg_m2).norm(), 0.0,
               1e-13 * joined.inertia_kg_m2.norm());
-  // by hand: two masses m, 50 mm apart, add m d²/2 about y and z
+  // calculated by hand: two masses m at a distance d = 50 mm add m d²/2 about y and z
   const double m = 700.0 * 6e-6, more = 0.5 * m * 0.05 * 0.05;
   const Matrix3 exact =
       2.0 * BoxInertia(m, {0.01, 0.02, 0.03}) + Matrix3(Vector3(0, more, more).asDiagonal());

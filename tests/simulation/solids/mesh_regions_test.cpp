@@ -69,7 +69,7 @@ TEST(MeshRegions, ABoxInABoxIsARegionIfBothAreWoundOutwards) {
     const Vector3 p(u(random), u(random), u(random));
     const Vector3 q = p.cwiseAbs() - Vector3::Constant(0.01);
     const double exact = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
-    ASSERT_NEAR(solid.SignedDistance(p), exact, 1e-9);  // to the outer box alone; floats in the file
+    ASSERT_NEAR(solid.SignedDistance(p), exact, 1e-9);  // distance to the outer box; the file has floats
     ASSERT_EQ(solid.MaterialAt(p), p.cwiseAbs().maxCoeff() < 0.005 ? 2 : 1) << p.transpose();
   }
 }
@@ -127,7 +127,7 @@ TEST(MeshRegions, RegionsCavitiesAndSolidsCanBeNested) {
     EXPECT_EQ(shells[i].kind, kinds[i]) << shells[i].name;
     EXPECT_EQ(shells[i].parent, parents[i]) << shells[i].name;
   }
-  ASSERT_EQ(loaded.regions.size(), 2u);  // from outside inwards
+  ASSERT_EQ(loaded.regions.size(), 2u);  // the outer region comes first
   EXPECT_EQ(loaded.regions[0].name, "dentine");
   EXPECT_EQ(loaded.regions[0].parent, std::nullopt);
   EXPECT_EQ(loaded.regions[1].name, "pulp");

@@ -17,7 +17,8 @@ TEST(MeshSolid, IcosphereDistanceIsTheSpheresWithinTheFacetsSagitta) {
   const Vector3 center(0.1, -0.13, 0.5);
   const double radius = 0.02;
   const TriangleMesh mesh = MakeIcosphere(center, radius, 4);
-  // The mesh lies inside the sphere, and outside the sphere that touches its innermost triangle's plane.
+  // The mesh lies between two spheres: inside the exact one, and outside the one that touches the plane of
+  // the innermost triangle.
   double sag = 0.0;
   for (const auto& t : mesh.triangles) {
     const Vector3 a = mesh.vertices_m[t[0]];
@@ -54,8 +55,8 @@ TEST(MeshSolid, TheDistanceToABoxIsExactAtItsFacesEdgesAndCorners) {
   }
 }
 
-// Where the nearest feature is a sharp vertex, the normal of one of its faces may point the wrong way; only
-// the angle-weighted pseudonormal gives the sign. Oracle: parity of the crossings of a ray with all
+// If the nearest feature is a sharp vertex, the normal of one of its faces may give the wrong sign. Only the
+// angle-weighted pseudonormal gives the right one. Oracle: parity of the crossings of a ray with all
 // triangles.
 TEST(MeshSolid, TheSignAgreesWithCountedCrossingsOnASpikyMesh) {
   TriangleMesh mesh = MakeIcosphere({0, 0, 0}, 0.02, 2);
@@ -181,7 +182,7 @@ TEST(MeshSolid, CupInABlockHasLayersAndTheOtherFacesACorticalShell) {
   EXPECT_EQ(solid.MaterialAt(0.0215 * down), kCartilage);
   EXPECT_EQ(solid.MaterialAt(0.0225 * down), kCortical);
   EXPECT_EQ(solid.MaterialAt(0.0235 * down), kCancellous);
-  EXPECT_EQ(solid.MaterialAt(-0.0210 * down), kCortical);  // above the opening
+  EXPECT_EQ(solid.MaterialAt(-0.0210 * down), kCortical);  // beyond the cup's opening
   EXPECT_EQ(solid.MaterialAt(-0.0220 * down), kCancellous);
   EXPECT_EQ(solid.MaterialAt({0.01, 0.01, -0.039}), kCortical);  // the outer face
   EXPECT_EQ(solid.MaterialAt({0.01, 0.01, -0.038}), kCancellous);

@@ -84,7 +84,7 @@ TEST(TissueMap, LayersReplaceTheOutermostPartOfTheImage) {
   const Vector3 p(0, 0, -0.01);
   EXPECT_EQ(tissue.MaterialAt(0.0009, p), 5);
   EXPECT_EQ(tissue.MaterialAt(0.0014, p), 6);
-  EXPECT_EQ(tissue.MaterialAt(0.0016, p), 2);  // the image counts depth from the surface, not from the layers
+  EXPECT_EQ(tissue.MaterialAt(0.0016, p), 2);  // the image's depth counts from the surface
   EXPECT_EQ(tissue.MaterialAt(0.0041, p), 4);
   EXPECT_FALSE(tissue.IsUniform());
   EXPECT_TRUE((ShellTissue{.layers = {}, .core = 2, .image = {}}).IsUniform());

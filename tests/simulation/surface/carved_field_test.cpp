@@ -83,7 +83,8 @@ TEST(CarvedField, OrderAndBatchesOfCapsulesChangeNoBit) {
     ASSERT_TRUE(IsSameChunk(ChunkOf(at_once, brick), ChunkOf(shuffled, brick))) << "brick " << brick;
 }
 
-// Carve skips capsules that others of the same call cover. Carved one by one, none can be skipped.
+// Carve skips capsules that other capsules of the same call cover. If each capsule is carved by its own call,
+// none can be skipped.
 TEST(CarvedField, SkippedCapsulesDoNotChangeTheMesh) {
   const auto solid = BallField(9.0F, 0.5F);
   std::mt19937 random(13);

@@ -104,7 +104,7 @@ TEST(DualSurface, IsWatertightWithTheRightVolumeAfterRandomCuts) {
     SCOPED_TRACE(trial);
     ExpectManifold(mesh);
     if (trial % 10 >= 2) continue;
-    // The cleared volume, counted over evenly spaced points in the ball.
+    // Computes the cleared volume by counting evenly spaced points in the ball.
     double cleared_mm3 = 0.0;
     for (float z = -kSolid_mm; z < kSolid_mm; z += kPoints_mm)
       for (float y = -kSolid_mm; y < kSolid_mm; y += kPoints_mm)

@@ -72,7 +72,7 @@ TEST(CarvedDistance, IsNearlyZeroAtTheMeshesVertices) {
     }
   }
   EXPECT_GT(vertices, 1000);
-  // the rim's vertices are the farthest: one Newton step onto two fields
+  // the vertices at the rim have the largest error, because one Newton step places them on two fields
   EXPECT_LT(largest_mm, 0.15 * kVoxel_mm);
 }
 

@@ -14,7 +14,8 @@ struct Machine {
   rt::Nanoseconds locked{0};  // total time for which the thread held the lock without a CPU
   IdleShare share{};
 
-  // One turn of the thread's loop, every 33 ms: 7 ms of work with the lock, a try without it, or rest.
+  // One pass of the thread's loop, every 33 ms. `share` decides between 7 ms of work with the lock, a short
+  // try without the lock, and rest.
   void Turn() {
     const auto next = share.At(now);
     if (next == IdleShare::Next::kRest) {
@@ -22,7 +23,7 @@ struct Machine {
       return;
     }
     const rt::Nanoseconds work = next == IdleShare::Next::kTry ? IdleShare::kTryTime : 7 * kMs;
-    // a busy machine grants one turn of 4 ms, then nothing for 1.3 s
+    // a busy machine gives the thread 4 ms of CPU, then none for 1.3 s
     const rt::Nanoseconds took = busy && work > 4 * kMs ? work + 1300 * kMs : work + work / 2;
     if (next == IdleShare::Next::kWork) locked += took - work;
     now += took;

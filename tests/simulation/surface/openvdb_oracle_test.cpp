@@ -8,7 +8,7 @@
 #include "tests/simulation/surface/surface_shapes.h"
 
 // Compares our mesh's volume and area with those of OpenVDB's volumeToMesh, which meshes the same carved ball
-// from exact distances on a separate grid. The two have only the closed form of the shapes in common.
+// from exact distances on a separate grid. The two meshes have only the closed form of the shapes in common.
 
 namespace osteon::surface {
 namespace {
@@ -67,7 +67,7 @@ MeshFigures OpenVdbFigures(float radius_mm, const std::vector<Capsule>& way, flo
     AddTriangle(at(0), at(1), at(2), figures);
     AddTriangle(at(0), at(2), at(3), figures);
   }
-  figures.volume_mm3 = std::abs(figures.volume_mm3);  // it winds its faces the other way
+  figures.volume_mm3 = std::abs(figures.volume_mm3);  // OpenVDB winds its faces the other way
   return figures;
 }
 

@@ -78,7 +78,7 @@ TEST(SurfaceThread, PushNeitherAllocatesNorLocks) {
   SurfaceThread thread(kBall, Pose::Identity(),
                        {.ring_frames = 64, .make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
   rt::CheckedNoAllocScope scope;
-  for (std::uint64_t i = 1; i <= 200; ++i) (void)thread.Push(FrameNumber(i));  // beyond what the ring holds
+  for (std::uint64_t i = 1; i <= 200; ++i) (void)thread.Push(FrameNumber(i));  // more than the ring can hold
   scope.End();
 }
 
@@ -161,14 +161,14 @@ TEST(SurfaceThread, MeshesNothingWhileUnwatchedAndEveryChangeOnceWatched) {
   EXPECT_EQ(CountQuads(sink.kept), cut);
 }
 
-// Frames 1 … 205 are one pass, frames 207 … 500 the next. When the second pass is taken back, the mesh must
-// be that after the first again.
+// Frames 1 … 205 are the first pass, frames 207 … 500 the second. If the second pass is undone, the mesh must
+// be that after the first pass again.
 TEST(SurfaceThread, TakingAPassBackRestoresTheMeshBeforeIt) {
   const auto frame = [](std::uint64_t i) {
     ToolFrame made = FrameNumber(i);
     made.touches = true;
     made.pose_stamp = static_cast<rt::Nanoseconds>(i);
-    made.cuts = i != 206;  // the spindle stands between the passes, which ends the batch
+    made.cuts = i != 206;  // the spindle stands still, which ends the batch
     return made;
   };
   ChunkKeeper sink;

@@ -30,7 +30,7 @@ TEST(TissueBricks, GivesTheSolidsTissueWithFewQueries) {
   TissueBricks tissue(ball.field.layout(), ball.Tissue());
   SurfaceChunk chunk, direct;
   std::size_t vertices = 0, of_core = 0, wrong = 0, queries = 0;
-  for (int pass = 0; pass < 4; ++pass)  // as a cut goes on, a brick is extracted many times
+  for (int pass = 0; pass < 4; ++pass)  // during a cut, a brick is extracted many times
     for (BrickIndex brick = 0; brick < ball.field.layout().Count(); ++brick) {
       ball.queries = 0;
       ExtractChunk(ball.field, brick, chunk, {}, tissue.OfBrick(brick));

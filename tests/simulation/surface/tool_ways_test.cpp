@@ -62,7 +62,8 @@ TEST(ToolWays, AToolThatDwellsAddsNoCapsules) {
   EXPECT_TRUE(ways.TakeCapsules().empty());
 }
 
-// 0.1 um a frame, 0.5 mm in all: the capsules join and reach the tool but for the last micrometre.
+// The tool moves by 0.1 um in each frame, 0.5 mm in all. The capsules must join and must end at most 1.1 um
+// behind the tool.
 TEST(ToolWays, ASlowToolLeavesNoGaps) {
   ToolWays ways(kReamer, Pose::Identity());
   (void)ways.Add(FrameAt({0, 0, 0}, 1));
@@ -79,7 +80,7 @@ TEST(ToolWays, ASlowToolLeavesNoGaps) {
   EXPECT_NEAR(last_mm, -10.5, 1.1e-3);
 }
 
-// The tool's origin rests, but a ball 100 mm beside it moves by 5 um.
+// The tool's origin rests, but a ball of the tool, 100 mm beside the origin, moves by 5 um.
 TEST(ToolWays, AToolThatTurnsInPlaceStillSweeps) {
   const Tool side{.name = "side", .balls = {{.center_m = Vector3(0.1, 0, 0), .radius_m = 0.001}}};
   ToolWays ways(side, Pose::Identity());

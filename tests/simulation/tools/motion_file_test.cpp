@@ -148,7 +148,7 @@ TEST(MotionFile, RefusesATornOrShortFile) {
     ++accepted;
     EXPECT_EQ(torn.back(), '\n');
   }
-  EXPECT_EQ(accepted, 3);  // with two, three and four of the five rows
+  EXPECT_EQ(accepted, 3);  // the texts with two, three and four of the five rows
   std::string zeros = text;
   zeros[zeros.size() / 2] = '\0';
   EXPECT_NE(ParseResult(zeros), "accepted");

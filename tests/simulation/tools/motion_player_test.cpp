@@ -51,7 +51,7 @@ TEST(MotionCurve, GoesThroughItsSamples) {
   EXPECT_LT((curve.X_GT(99.0).translation() - samples.back().p_GT_m).norm(), 1e-15);
 }
 
-// Half the step, a sixteenth of the error.
+// Half the step must give a sixteenth of the error.
 TEST(MotionCurve, ErrorShrinksWithTheFourthPowerOfTheStep) {
   const double coarse_m = CurveError(0.01), fine_m = CurveError(0.005);
   EXPECT_LT(coarse_m, 5e-6);
@@ -80,7 +80,8 @@ TEST(MotionCurve, IsTwiceContinuouslyDifferentiable) {
                       curve.X_GT(at - h).translation()) /
                      (h * h));
     };
-    // Only the cubic's third derivative counts over 4 h; a kink would show as at least 1e-3 / h.
+    // The acceleration changes over 4 h only by the cubic's third derivative. A kink in the velocity would
+    // change it by at least 1e-3 / h.
     EXPECT_LT((acceleration(t + 2 * h) - acceleration(t - 2 * h)).norm(), 0.5) << t;
   }
 }
@@ -94,13 +95,13 @@ TEST(FitMotion, StaysWithinItsToleranceOfEveryRecordedSample) {
     worst_m = std::max(worst_m, (curve.X_GT(s.time_s).translation() - s.p_GT_m).norm());
     worst_rad =
         std::max(worst_rad, s.R_GT.angularDistance(Eigen::Quaterniond(curve.X_GT(s.time_s).linear())));
-    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // to the rounding of the stored rpm
+    EXPECT_NEAR(curve.SpindleAt(s.time_s), s.spindle_rad_per_s, 1e-4);  // the stored rpm is rounded
   }
   EXPECT_LE(worst_m, 2e-6);
   EXPECT_LE(worst_rad, 2e-5);
   EXPECT_NEAR(fitted.position_error_m, worst_m, 1e-12);
   EXPECT_NEAR(fitted.rotation_error_rad, worst_rad, 1e-8);
-  EXPECT_LT(fitted.samples.size(), 400u);  // of 3001
+  EXPECT_LT(fitted.samples.size(), 400u);  // the recording has 3001
 }
 
 // The tool stops abruptly at 0.5 s: samples must be dense there, and only there.
@@ -164,7 +165,7 @@ TEST_P(PlayedMotion, CutsTheSameAtEveryFrameRate) {
       ASSERT_EQ(last.status, EngineStatus::kOk);
     }
     removed_mm3[i] = 1e9 * last.removed_volume_m3;
-    // the proxy ends at the motion's end, but for one frame's overlap and the rest of its slide
+    // the proxy ends at the motion's end, except for one frame's overlap and the rest of the slide
     EXPECT_LT((Pose(last.X_WP).translation() - Vector3(3e-3, 0, -1e-3)).norm(), 0.25e-3);
   }
   // swept volume: a cap of 1 mm depth, and the segment's area times 3 mm; a mass point is 0.125 mm³

@@ -43,7 +43,7 @@ TEST(ShellTool, BallsFillTheHemisphereAndNoneProtrudes) {
     for (const ToolBall& ball : shell.balls) {
       if (!ball.cutting) continue;
       const Vector3 out = Vector3(ball.center_m) - Vector3(head.center_m);
-      EXPECT_NEAR(out.norm() + ball.radius_m, head.radius_m, 1e-12);  // each touches the sphere from inside
+      EXPECT_NEAR(out.norm() + ball.radius_m, head.radius_m, 1e-12);  // touches the sphere from inside
       EXPECT_GE(out.z(), 0.0);
     }
     EXPECT_LT(DeepestDent(shell, head, 0.0), each.deepest_dent_m) << each.count;

@@ -8,8 +8,8 @@
 
 #include "simulation/tools/tool_kinds.h"
 
-// Compliance of tools as beams, against analytic cantilevers and against the stiffnesses in the design's
-// table.
+// Compliance of tools as beams, against analytic cantilevers and against the stiffnesses in
+// docs/theory/compliance.md.
 
 namespace osteon::simulation {
 namespace {
@@ -56,7 +56,8 @@ TEST(ToolCompliance, AUniformShaftHasTheTextbooksCompliance) {
   EXPECT_NEAR(c.C_T(5, 5) / (L / GJ), 1.0, 1e-9);
   EXPECT_NEAR(c.buckling_N / (std::numbers::pi * std::numbers::pi * EI / (4.0 * L * L)), 1.0, 1e-6);
   EXPECT_TRUE(c.C_T.isApprox(c.C_T.transpose()));
-  // Up to a force behind the apex, the tool counts as rigid: too soft by (s / (L - s))^3, 3.7 % at s = L / 4.
+  // For a force at the distance s behind the apex, LateralCompliance exceeds that of the clamped beam of
+  // length L - s by the share (s / (L - s))^3: 3.7 % at s = L / 4.
   EXPECT_NEAR(LateralCompliance(c.C_T, 0.25 * L) / (std::pow(0.75 * L, 3) / (3.0 * EI)), 1.0 + 1.0 / 27.0,
               1e-9);
 }
@@ -75,7 +76,7 @@ TEST(ToolCompliance, AConeHasTheComplianceOfItsIntegral) {
   EXPECT_NEAR(CantileverCompliance(cone, {}).C_T(0, 0) / exact, 1.0, 1e-4);
 }
 
-// Lateral stiffnesses of the design's table, within 1 %.
+// Stiffnesses as in the tables of docs/theory/compliance.md, within 1 %.
 TEST(ToolCompliance, TheShippedToolsHaveTheDesignsStiffness) {
   const ToolCompliance drill = Drill(3.2, 36, 65);
   EXPECT_NEAR(drill.lateral_N_per_m, 8720.0, 87.2);

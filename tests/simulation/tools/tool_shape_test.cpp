@@ -106,7 +106,7 @@ TEST(PackedBurr, BallsFillTheOutlineToTheStatedGapAndNoneProtrudes) {
       EXPECT_LE(quality.cutting_gap_max_m, gap_m) << built.tool.name << " " << built.tool.balls.size();
       EXPECT_LE(quality.touching_gap_max_m, 0.15e-3) << built.tool.name;
       EXPECT_LT(quality.protrusion_max_m, 1e-12) << built.tool.name;
-      // not much finer than requested, which would waste balls
+      // the gap must not be much finer than requested, because that would waste balls
       EXPECT_GT(quality.cutting_gap_max_m, 0.5 * gap_m) << built.tool.name;
     }
 }
@@ -158,7 +158,8 @@ TEST(TwistDrill, PointAndFlutesCutAndTheShankTouches) {
     return box;
   };
   const Eigen::AlignedBox3d cutting = bounds_of(true), touching = bounds_of(false);
-  // Cutting balls end within the flutes' gap; a ball at the flutes' end may reach past it, below the surface.
+  // The cutting balls end within the gap of the flutes' end. A ball there may reach beyond the flutes' end,
+  // inside the tool.
   EXPECT_NEAR(cutting.max().z(), 0.0, 0.128e-3);
   EXPECT_NEAR(cutting.min().z(), -36e-3, 1.6e-3);
   EXPECT_NEAR(touching.max().z(), -36e-3, 1.6e-3);

@@ -29,7 +29,7 @@ TEST(Reamer, HasAShaftOfTheRequestedLengthWithoutGaps) {
     EXPECT_EQ(ball.radius_m, 0.008);
     EXPECT_EQ(Vector3(c.x(), c.y(), 0), Vector3::Zero());
     if (last_z != -0.025) {
-      EXPECT_LE(last_z - c.z(), 0.008 + 1e-12);  // each overlaps the last by at least half
+      EXPECT_LE(last_z - c.z(), 0.008 + 1e-12);  // each overlaps the previous one by half a diameter at least
     }
     last_z = c.z();
     reach = std::min(reach, c.z());

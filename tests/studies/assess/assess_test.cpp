@@ -97,7 +97,7 @@ class Assess : public testing::Test {
   static void TearDownTestSuite() { folder_.reset(); }
 
   static fs::path Session() { return folder_->path() / "session_1"; }
-  // A copy of the session whose session.json `change` has edited.
+  // Copies the session and lets `change` edit the copy's session.json.
   template <class Change>
   static fs::path CopyWith(const char* name, const Change& change) {
     const fs::path copy = folder_->path() / name;
@@ -259,7 +259,8 @@ TEST_F(Assess, TheTrendShowsEarlierSessionsOfTheSamePlanOnly) {
   fs::remove_all(other);
 }
 
-// Results are found in the folders beside the session's, even if each is called "session" as the demo's are.
+// The trend finds results in the folders beside the session's folder, even if each session's folder is called
+// "session", as in the demo.
 TEST_F(Assess, TheTrendIsOrderedByStartTimeOrByNumbersInNames) {
   ASSERT_EQ(RunAssess(Options()), 0);
   auto json = nlohmann::ordered_json::parse(ReadAll(Session() / "assess.json"));

@@ -129,7 +129,7 @@ TEST(LiveScore, EqualsTheAssessmentsScoreExceptForOpenItems) {
     }
     EXPECT_EQ(score.at("open_points"), open);
   }
-  // the last reamer decides most items: they are open until it has cut
+  // most items depend on the last reamer: they stay open until this reamer has cut
   const nlohmann::json &first = all[1].score, &last = all.back().score;
   EXPECT_TRUE(ItemOf(first, "axis_error").at("open"));
   EXPECT_TRUE(ItemOf(first, "diameter_error").at("open"));
@@ -140,7 +140,8 @@ TEST(LiveScore, EqualsTheAssessmentsScoreExceptForOpenItems) {
   EXPECT_GT(last.at("total"), 85.0);
 }
 
-// After a session is resumed, the wall is not known for earlier passes: the score assumes a breach.
+// After a session is resumed, the thinnest wall of earlier passes is not known, so the score assumes a
+// breach.
 TEST(LiveScore, AssumesABreachForPassesOfAnEarlierProcess) {
   const procedure::Rubric rubric = config::LoadRubric(kConfig / "rubrics/rubric.yaml");
   procedure::SurgicalPlan plan;
@@ -158,7 +159,7 @@ TEST(LiveScore, AssumesABreachForPassesOfAnEarlierProcess) {
   EXPECT_EQ(unknown.score.deductions[0].name, "breach (assumed)");
   EXPECT_LT(unknown.score.total, known.score.total);
   EXPECT_GE(known.open_points, 30.0) << "the axis is not known";
-  // a metric of the whole session's recordings stays open until the session ends
+  // a metric that needs the recordings of the whole session stays open until the session ends
   procedure::Rubric own = rubric;
   own.items.push_back({.metric = "tremor", .weight = 5.0, .full = 0.0, .zero = 1.0, .source = "a test"});
   const auto with_tremor = session::ScoreOfNow(plan, own, passes, assessment, true);

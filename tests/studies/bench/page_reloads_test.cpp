@@ -15,7 +15,7 @@
 #include "safety/cell_state.h"
 #include "tests/io/temporary_folder.h"
 
-// Loads and leaves pages of a console server in this process, to which a thread feeds a tick each
+// Opens and closes pages of a console server in this process. A thread feeds the server a tick each
 // millisecond.
 
 namespace osteon::studies {

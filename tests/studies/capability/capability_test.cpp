@@ -48,7 +48,7 @@ TEST(CapabilityTask, ComesFromTheCellsSiteToolAndScript) {
 TEST(CapabilityTask, PosesFillTheVolumeAndTheTiltConeTowardTheBase) {
   const config::CellConfig cell = LoadDemoCell();
   const TaskVolume task = TaskOf(cell);
-  // direction from the site toward the base: an angle about the site's axis
+  // angle about the site's axis at which the base lies
   const double toward = DirectionOf(task, cell.X_WB.translation());
   EXPECT_NEAR(std::remainder(toward - kPi, 2.0 * kPi), 0.0, 1e-12)
       << "the demo's base stands at -x of its site";
@@ -86,8 +86,9 @@ TEST(CapabilityTask, PosesOutsideTheWorkspaceAreOmitted) {
   EXPECT_LT(TaskPoses(task, {}, 0.0).size(), 243u);
 }
 
-// If the base turns about its own axis and joint A1 turns back by the same angle, the arm stands as before
-// and holds the same forces, on a wall as on the floor.
+// If the base turns about its own axis and joint A1 turns back by the same angle, the arm has the same
+// posture as before and must hold the same forces. The test does this with a base on the floor and with one
+// on a wall.
 TEST(ArmForce, ABaseTurnedAboutItsAxisHoldsTheSame) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_14_r820");
   const CapabilityNeed need{.axial_N = 200.0, .lateral_N = 40.0, .torque_Nm = 2.0, .lateral_from = ""};
@@ -123,7 +124,8 @@ TEST(ArmForce, ElbowAndWristAreTheLinksLengthsApart) {
   EXPECT_NEAR((centers.p_B_wrist - centers.p_B_elbow).norm(), 0.400, 1e-12);
 }
 
-// The design's claim (control.md): the smaller arm holds 200 N axially in 95 % of its postures.
+// docs/capability.md states that the smaller arm, the iiwa 7, holds 200 N axially in more than 95 % of its
+// postures.
 TEST(ArmForce, TheIiwa7Holds200NewtonAxiallyInAlmostEveryPosture) {
   const kinematics::ChainParams<7> arm = Robot("lbr_iiwa_7_r800");
   const ArmForce force(arm, Matrix3::Identity(), Pose::Identity(), {.axial_N = 200.0, .lateral_from = ""});
@@ -168,7 +170,7 @@ TEST(CapabilityMap, NoPoseWithinTheTaskHoldsLessThanTheGuarantee) {
     ASSERT_TRUE(arm.Inverse(cell.X_WB.inverse() * X_WT * cell.tool.X_FT.inverse(), cell.start.arm_angle_rad,
                             cell.start.q, q));
     const ToolForce held = force.ForceAt(q);
-    // 0.5 %: the worst of a smooth field may lie between samples that are a few centimetres apart
+    // 0.5 %: the smallest value of a smooth field may lie between samples, which are a few centimetres apart
     ASSERT_GE(held.axial_N, 0.995 * own.force.axial_N);
     ASSERT_GE(held.lateral_N, 0.995 * own.force.lateral_N);
     ASSERT_GE(held.factor, 0.995 * own.force.factor);
@@ -263,11 +265,12 @@ TEST(BasePlacement, FindsABaseThatNoRandomPlaceInTheRangeBeats) {
     const BaseFigure figure = search.Judge(p_WB);
     if (figure.configurations == 0) continue;
     ++possible;
-    // 3 %: coarse samples of the task, and maxima over the arm angle that are narrower than the first grid
+    // 3 %: the task's samples are coarse, and the search may miss maxima over the arm angle that are narrower
+    // than its first grid
     EXPECT_LT(figure.factor, 1.03 * best->factor) << p_WB.transpose();
   }
   EXPECT_GT(possible, 30);
-  // better than the demo's present base at its best arm angle
+  // the found base must be better than the demo's present base at its best arm angle
   EXPECT_GT(best->factor, search.Judge(s.cell.X_WB.translation()).factor);
 }
 
@@ -347,9 +350,9 @@ TEST(BasePlacement, BasesAllAroundAnUpwardCupAreEqual) {
   ASSERT_NE(from_behind.configurations, 0u);
   for (const double turn : {0.4, 1.3, 2.2}) {
     const BaseFigure figure = search.Judge(site + ExpRotation({0.0, 0.0, turn}) * Vector3(-0.5, 0.0, 0.1));
-    // The workspace's sphere is off the site's axis, but excludes no pose of this task. Tolerance 0.2 %: the
-    // tool keeps its yaw in the room, so another configuration may be chosen, whose centres of mass lie
-    // elsewhere.
+    // The centre of the workspace's sphere is not on the site's axis, but the sphere excludes no pose of this
+    // task. Tolerance 0.2 %: the tool keeps its yaw in the room, so another configuration may be chosen,
+    // whose centres of mass lie elsewhere.
     EXPECT_NEAR(figure.factor, from_behind.factor, 2e-3 * from_behind.factor);
   }
 }

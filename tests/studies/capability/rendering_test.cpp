@@ -78,7 +78,8 @@ TEST(Rendering, AMeasuredArmGivesTheResultsOfTheSameArmAssumed) {
   EXPECT_NEAR(measured.force_floor_N(), 3.0 * 0.1, 1e-12);
   EXPECT_TRUE(measured.floor_measured());
   EXPECT_NEAR(RenderingJson(measured, 384.0).at("force_range_ratio").get<double>(), 1280.0, 1e-6);
-  // the measured mass changes the loop along z: without it, the results are those of the assumed arm
+  // only the measured mass changes the loop along z: if it is removed, the results are those of the assumed
+  // arm
   cell.identified->arm[0].felt_mass_kg.reset();
   EXPECT_EQ(RenderingOf(cell).axes[2].least_drag_Ns_per_m, assumed.axes[2].least_drag_Ns_per_m);
   EXPECT_EQ(RenderingOf(cell).axes[2].greatest_wall_N_per_m, assumed.axes[2].greatest_wall_N_per_m);
@@ -124,7 +125,7 @@ TEST(Rendering, ASlowerArmRendersLessAndIsWarnedAboutAlongItsAxisOnly) {
   }));
 }
 
-// Where no model fits the arm, the verdict comes from its measured frequency response.
+// If no model fits the arm, the verdict comes from the arm's measured frequency response.
 TEST(Rendering, AMeasuredResponseWithoutAModelIsJudgedToo) {
   config::CellConfig cell = CellNamed("demo");
   cell.identified.emplace();

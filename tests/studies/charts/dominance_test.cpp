@@ -8,7 +8,7 @@
 
 #include "studies/charts/chart_speed_accuracy.h"
 
-// Which points of other methods beat ours in the chart of time (first) and error (second). The points are
+// Tests which points of other methods beat ours in a chart. A point is {time, error}. The points are
 // synthetic; their relations are read off by hand.
 
 namespace osteon::studies {
@@ -26,9 +26,9 @@ TEST(Dominance, ClassifiesEachPointAgainstOurs) {
       {{40.0, 1.0}, true},   // 2
       {{40.0, 3.0}, true},   // 3
       {{5.0, 10.0}, false},  // 4: faster than all of ours, less exact than all
-      {{15.0, 3.0}, false},  // 5: of ours only 0 is as fast, and it is less exact
+      {{15.0, 3.0}, false},  // 5: only our 0 is as fast, and 0 is less exact
       {{15.0, 1.5}, false},  // 6: beats 1 and 3
-      {{30.0, 2.5}, false},  // 7: 1 is faster and more exact; beats 3
+      {{30.0, 2.5}, false},  // 7: our 1 is faster and more exact; beats 3
       {{50.0, 0.9}, false},  // 8: slower than all of ours, more exact than all
       {{10.0, 4.0}, false},  // 9: equal to 0
       {{nan, 0.1}, false},   // 10: not measured
@@ -84,12 +84,12 @@ TEST(Dominance, TheTableNamesMethodAndLengthForEachErrorAndTime) {
   const auto median = DominanceTable(result, ChartTime::kMedian);
   ASSERT_EQ(median.size(), 6u) << "a heading, and five errors";
   const std::vector<std::string> ahead{"none", "voxel 0.5 mm", "voxel 0.5 mm", "none"};
-  for (std::size_t i = 1; i <= 4; ++i)  // depth, volume, force, normal: voxel beats cpu-split
+  for (std::size_t i = 1; i <= 4; ++i)  // in depth, volume, force and normal, voxel beats cpu-split
     EXPECT_EQ(std::vector(median[i].begin() + 1, median[i].end()), ahead) << median[i][0];
   EXPECT_EQ(median[1][0], "depth");
   EXPECT_EQ(median[4][0], "normal");
   EXPECT_EQ(median[5], (std::vector<std::string>{"ripple", "none", "none", "none", "none"}));
-  // voxel's worst frame is slower than all of ours: it is ahead by its error only
+  // voxel's worst frame is slower than all of ours, so voxel is ahead in error only
   const auto worst = DominanceTable(result, ChartTime::kWorst);
   EXPECT_EQ(worst[1], (std::vector<std::string>{"depth", "none", "none", "voxel 0.5 mm", "none"}));
   EXPECT_EQ(worst[5][3], "none");

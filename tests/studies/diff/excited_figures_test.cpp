@@ -10,8 +10,8 @@
 #include "studies/identify/excited_run.h"
 #include "tests/temporary_path.h"
 
-// Compares recordings of `osteon identify`, made in virtual time. Nothing is cut in them, so they have
-// figures of their own: the arm's response and the sensor's noise.
+// Compares recordings of `osteon identify`, made in virtual time. Nothing is cut in these recordings, so
+// other figures are compared than in a run: the arm's response and the sensor's noise.
 
 namespace osteon::studies {
 namespace {
@@ -89,8 +89,8 @@ TEST(ExcitedDifference, DetectsASlowerArmAndAnotherExcitation) {
   EXPECT_FALSE(FigureNamed(speeds, "bandwidth_hz").differs()) << "the arm is the same";
 }
 
-// A line is compared with the one of its own frequency, wherever that stands, and a line that only one run
-// has is told, not compared with its neighbour.
+// A line of the response is compared with the other run's line of the same frequency, at any index. A line
+// that only one run has is reported, not compared with its neighbour.
 TEST(ExcitedDifference, ComparesLinesOfTheSameFrequency) {
   const auto with_lines = [](std::vector<double> frequencies_hz) {
     ExcitedFigures excited;

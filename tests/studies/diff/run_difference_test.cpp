@@ -25,7 +25,7 @@ std::filesystem::path WriteRecording(const std::filesystem::path& path, double f
     tick.cell_state = static_cast<std::uint8_t>(safety::CellState::kCutting);
     tick.input.period_s = 0.001;
     tick.F_coupling_T_W.f = {0.0, 0.0, i == 1000 ? force_N : 10.0};
-    tick.compute_ns = i % 7;  // the machine's time: not judged
+    tick.compute_ns = i % 7;  // computing time: not judged
     tick.faults = i == 2000 ? faults : 0;
     tick.compliance.present = true;
     tick.compliance.bend_m = {0.0, 1e-5 * force_N, 0.0};

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-// A trembling hand and a stiffening hand at the servo loop, on an arm that lags. Claims on the vibration
-// index.
+// The servo loop with a trembling hand and with a hand that stiffens, on an arm that lags. The tests check
+// claims about the vibration index.
 
 namespace osteon::studies {
 namespace {
@@ -14,8 +14,9 @@ namespace {
 const hil::GridHand kLoose{"loose", 300.0, 13.0, 1.1};
 const hil::GridHand kClamp{"clamp", 50000.0, 50.0, 0.0};
 
-// When a tremor begins, the vibration index adds drag until it has tested that the vibration is the hand's.
-// Then its reference must be about the tremor's force, and the drag that of the law again.
+// When a tremor begins, the vibration index adds drag until its test shows that the vibration comes from the
+// hand. Then the index's reference must be about the tremor's force, and the drag must again be that of the
+// law.
 TEST(GripRide, ABeginningTremorRaisesTheReferenceAndTheDragReturns) {
   for (const double tremor_N : {1.0, 3.0}) {
     const GripRide ride = RideGrip(
@@ -23,7 +24,7 @@ TEST(GripRide, ABeginningTremorRaisesTheReferenceAndTheDragReturns) {
     EXPECT_FALSE(ride.fault);
     EXPECT_GT(ride.references_N.back(), 0.6 * tremor_N) << "three axes";
     EXPECT_LT(ride.references_N.back(), 1.8 * tremor_N);
-    // with more than twice the law's drag: at most 3 s in all, and not in the last 3 s
+    // the drag exceeds twice the law's drag for at most 3 s in all, and never in the last 3 s
     EXPECT_LT(ride.heavy_s, 3.0) << tremor_N;
     const auto from = ride.damping_factors.begin() + 5000;
     EXPECT_LT(*std::max_element(from, ride.damping_factors.end()), 2.0) << tremor_N;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 // The simulation of scenario 14 (packet loss): the condition D > a_max K (drag, largest age, stiffness) must
-// tell growing motions from decaying ones.
+// distinguish growing motions from decaying ones.
 
 namespace osteon::studies {
 namespace {
@@ -20,11 +20,11 @@ TEST(PacketBench, AgesAreTheDelaysThereAndBackButAtLeastATick) {
   }
 }
 
-// Motion with a delayed wall: m x'' + D x' + K x(t - a) = 0. At the stability limit w^2 m = K cos(w a) and
-// w D = K sin(w a).
+// Motion with a wall whose force is a seconds old: m x'' + D x' + K x(t - a) = 0. At the stability limit,
+// with the oscillation's frequency w [rad/s], w^2 m = K cos(w a) and w D = K sin(w a).
 TEST(PacketBench, HeldForcesGrowFromTheDelayThatTheoryGives) {
-  // K = 20e3, D = 80, m = 3: w = 79.5 rad/s, a = 4.07 ms (the hold adds half a tick). Ages of 2 ms decay,
-  // ages of 6 ms grow.
+  // K = 20e3, D = 80, m = 3: w = 79.5 rad/s, a = 4.07 ms (the hold adds half a tick). At an age of 2 ms the
+  // motion must decay, at 6 ms it must grow.
   const PacketRideParams below_limit = WithDelay(WallMethod::kHeld, 1 * rt::kMillisecond),
                          above_limit = WithDelay(WallMethod::kHeld, 3 * rt::kMillisecond);
   const PacketRide small = RidePackets(below_limit), large = RidePackets(above_limit);
@@ -42,8 +42,8 @@ TEST(PacketBench, PlanesTolerateAnAgeAtWhichForcesGrow) {
   EXPECT_LT(ride.Growth(), 1e-3);
 }
 
-// Planes turn as the tool moves sideways, and turn late by their age. Their stiffness is force over
-// clearance.
+// The planes turn as the tool moves sideways, but late by their age. The stiffness of this effect is the
+// force over the clearance.
 TEST(PacketBench, PlanesThatTurnTooFastForTheirAgeGrow) {
   PacketRideParams params = WithDelay(WallMethod::kPlanes, 10 * rt::kMillisecond);
   params.clearance_m = 1e-3;  // 30 N / 1 mm = 30 kN/m, at an age of 20 ms

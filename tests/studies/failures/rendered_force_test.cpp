@@ -14,7 +14,7 @@
 
 // Compares the force that the servo loop renders with that of an ideal wall, corner and cup at the same
 // tick's pose. The bone is packed with balls; the engine's frames, at 500 Hz, arrive 3 ms after their pose;
-// the coupling runs each millisecond. Lengths are in metres, W and G coincide, and the spindle stands.
+// the coupling runs each millisecond. Lengths are in metres, W and G coincide, and the spindle stands still.
 
 namespace osteon::studies {
 namespace {
@@ -23,22 +23,22 @@ constexpr double kK = 20e3;        // stiffness of the engine's contacts [N/m]
 constexpr int kFrameEvery_ms = 2;  // 500 Hz
 constexpr int kFrameTakes_ms = 3;
 constexpr int kApproach_ms = 300, kHold_ms = 300, kAfter_ms = 100;
-constexpr int kNoticed_ms = 10;  // a hand notices a step after this time, says the design
+constexpr int kNoticed_ms = 10;  // assumed time after which a hand notices a step
 
-/// A path of the tool's apex: an approach, a rest under pressure, and a sudden step. With the ideal bone's
+/// A path of the tool's apex (an approach, a rest under pressure, and a sudden step), with the ideal bone's
 /// force.
 struct Course {
   simulation::Bone bone;
   double head_m;
   Vector3 p_free_m, p_rest_m, p_stepped_m;         ///< apex: clear of the bone, pressed, after the step
-  std::function<Vector3(const Vector3&)> ideal_N;  ///< on the tool, by the apex
+  std::function<Vector3(const Vector3&)> ideal_N;  ///< force on the tool, as a function of the apex
 };
 
 /// Errors of the rendered force, relative to the ideal force.
 struct Errors {
-  double rest{0.0};     ///< of the tool at rest
-  double noticed{0.0};  ///< the largest from 10 ms after the step on
-  double at_once{0.0};  ///< the largest in the 10 ms before
+  double rest{0.0};     ///< while the tool rests
+  double noticed{0.0};  ///< largest, from 10 ms after the step on
+  double at_once{0.0};  ///< largest, in the first 10 ms after the step
   double ideal_N{0.0};  ///< magnitude of the ideal force after the step
 };
 

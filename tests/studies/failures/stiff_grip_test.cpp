@@ -5,7 +5,7 @@
 #include "config/reading/load.h"
 #include "studies/failures/loop/grip_ride.h"
 
-// The shipped cells' laws at a hand that stiffens, on an arm that lags.
+// The laws of the shipped cells with a hand that stiffens, on an arm that lags.
 
 namespace osteon::studies {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "studies/failures/compliance/swinging_mount.h"
 
-// The vibration index on bone that swings on its mount: the swing must not count as an oscillation of the
-// loop.
+// The vibration index if the bone swings on its mount. The index must not take the swing for an oscillation
+// of the loop.
 
 namespace osteon::studies {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 TEST(SwingingMount, TheVibrationIndexAddsNoMoreDragThanOnBoneAtRest) {
   double most_at_rest = 0.0;
   for (const hil::GridHand& hand : hil::NamedHands()) {
-    if (hand.mass_kg == 0.0) continue;  // fixture and clamp never let go of the bone
+    if (hand.mass_kg == 0.0) continue;  // not for a fixture or a clamp
     for (const double tremor_N : {0.5, 1.0}) {
       const SwingRide rest = RideSwingingMount({.hand = hand, .tremor_N = tremor_N});
       EXPECT_FALSE(rest.fault) << hand.name;

@@ -20,7 +20,8 @@
 #include "tests/temporary_path.h"
 
 // Rows of the design's tables: short recordings, slow motions, jitter, and an arm with masses and friction.
-// Seeds are fixed and time is virtual.
+// The design is the prototype that preceded this code; docs/identify.md compares both. Seeds are fixed and
+// time is virtual.
 
 namespace osteon::studies {
 namespace {
@@ -30,8 +31,8 @@ const hil::ServoArmParams kDesignArm{.bandwidth_hz = 15.0, .damping_ratio = 1.0,
 
 // --- accuracy of short recordings and slow motions ---
 
-// Twice the standard deviation, as the design's table states it: of the lag in ms, of the least drag and of
-// the stiffest wall as shares of their values.
+// A row of the design's table: twice the standard deviation of the lag [ms], and those of the least drag and
+// of the stiffest wall as shares of their values.
 struct RecordingRow {
   SyntheticRun run;
   double lag_two_sd_ms, drag_two_sd, wall_two_sd;
@@ -43,7 +44,7 @@ TEST_P(DesignTable, EstimatesLagDragAndWallAsAccuratelyAsTheDesign) {
   const RecordingRow& row = GetParam();
   const TableRow found = IdentifyRow(row.run, {.arm = kDesignArm, .seeds = 6});
   EXPECT_EQ(found.failed, 0);
-  // six seeds give the spread to a factor of about two
+  // six seeds give the standard deviation to a factor of about two
   EXPECT_LT(found.lag_ms.two_sd, 2.0 * row.lag_two_sd_ms);
   EXPECT_GT(found.lag_ms.two_sd, 0.3 * row.lag_two_sd_ms);
   EXPECT_NEAR(found.lag_ms.mean, found.lag_ms.truth, row.lag_two_sd_ms);
@@ -64,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Commands arrive late by a random part of the period: the estimated dead time must grow by the mean delay.
 TEST(DesignTable, JitterAddsItsMeanToTheDeadTime) {
   constexpr int kFine =
-      8;  // steps of the arm in a period; with the dead time of 4 ms, as many as the arm accepts
+      8;  // steps of the arm in a period: the most that the arm accepts at 4 ms of dead time
   control::ExcitationPath path({.seed = 100, .draws = 4, .periods = 3, .peak_speed_m_per_s = 0.05},
                                kPeriod_s);
   std::array<kinematics::JointLimits, 7> limits{};
@@ -183,8 +184,8 @@ TEST(DesignTable, JointsThatStickAtASlowMotionAreRefused) {
   EXPECT_TRUE(told) << slow.refused.front().what;
 }
 
-// A pedestal of 2 MN/m gives way, unseen by the encoders, and no servo model fits (in the design: 12.6 Hz,
-// chi^2 14). Only the measured response is written.
+// A pedestal of 2 MN/m yields, which the encoders don't measure, so no servo model fits (in the design: 12.6
+// Hz, chi^2 14). Only the measured response is written.
 TEST(DesignTable, OnAFlexiblePedestalOnlyTheMeasuredResponseIsWritten) {
   session::CellSetup setup = DemoWithMasses();
   for (auto& joint : setup.config.simulated.chain.joints) joint.friction = {};

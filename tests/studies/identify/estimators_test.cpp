@@ -105,7 +105,7 @@ TEST(SampledResponse, WithAFractionalDeadTimeEqualsAFinerArms) {
   }
 }
 
-// --- the servo model's fit; tolerances of the design's table ---
+// --- the servo model's fit; the tolerances are those of the table in docs/identify.md ---
 
 TEST(ServoFit, FindsTheArmFrom64sWithEncoderNoise) {
   const Truth truth;

@@ -15,8 +15,8 @@
 #include "studies/identify/identify_estimate.h"
 #include "studies/identify/identify_table.h"
 
-// Estimates of the arm's mass that a hand feels, of the hand's tremor and of the spindle's forces. The truths
-// are known and the seeds fixed.
+// Estimates of the arm's mass that a hand feels, of the hand's tremor and of the spindle's forces. The true
+// values are known and the seeds fixed.
 
 namespace osteon::studies {
 namespace {
@@ -26,8 +26,8 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi, kPeriod_s = 1e-3;
 
 // --- the mass by which a hand moves the arm ---
 
-// A free run and a held run of an arm that yields to the hand with the mass 1 / per_mass [kg] (0: it does not
-// yield).
+// A free run and a held run of an arm that yields to the hand like a mass of 1 / per_mass [kg]; 0: the arm
+// does not yield.
 IdentifyResult FreeAndHeld(double per_mass, double noise) {
   const ServoModel arm{.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_time_s = 4e-3};
   const double w_n = kTwoPi * arm.bandwidth_hz, tool_kg = 1.2;
@@ -90,7 +90,8 @@ TEST(IdentifyTable, PredictsTheStabilityLimitsOfTheTrueArm) {
     EXPECT_NEAR(one.lag_ms.mean, one.lag_ms.truth, 0.02);
   }
   EXPECT_EQ(row.seconds, 64.0);
-  // the design's finding: one more millisecond of dead time lowers the stiffest wall by a third
+  // one more millisecond of dead time must lower the stiffest wall by a third, as in the prototype of this
+  // study
   hil::ServoArmParams late = params.arm;
   late.dead_cycles += 1.0;
   EXPECT_LT(GreatestWall(late, kPeriod_s), 0.8 * GreatestWall(params.arm, kPeriod_s));
@@ -123,7 +124,7 @@ TEST(HandTremor, AddsNoDragWithTheShippedIndex) {
   EXPECT_NEAR(tremor.push_N, 60.0, 0.1);
   EXPECT_EQ(tremor.seconds, 20.0);
 
-  // an index that accepts less tremor than the hand has adds drag
+  // an index that accepts a smaller tremor than the hand's adds drag
   control::VibrationParams half = index;
   half.reference.tremor_N = 0.3 * tremor.tremor_N;
   control::VibrationIndex suspicious(half, kPeriod_s);

@@ -46,7 +46,7 @@ void AddRun(const session::CellSetup& setup, char axis, bool held, IdentifyResul
   ASSERT_TRUE(added) << added.error();
 }
 
-// Uses the free runs for the held ones, judges every axis and fills the felt masses.
+// Uses the free runs to evaluate the held runs, judges every axis and fills in the felt masses.
 void JudgeAll(IdentifyResult& result) {
   UseFreeRuns(result);
   for (AxisResult& axis : result.axes) JudgeAxis(axis, result);
@@ -129,7 +129,7 @@ TEST(Hand, ThatFitsNoSpringDamperAndMassIsWarnedAbout) {
       << result.warnings[0].what;
 }
 
-// A hand of 2 kN/m against an arm of 5 kg and 15 Hz, which is 47 kN/m, lowers the arm's gain to 0.96. In a
+// An arm of 5 kg and 15 Hz has a stiffness of 47 kN/m. A hand of 2 kN/m lowers the arm's gain to 0.96. In a
 // free run, that would mean a sticking joint.
 TEST(HeldRun, IsNotRefusedForGainOrDamping) {
   AxisResult axis = ArmAxis(true);
@@ -164,8 +164,8 @@ TEST(HeldRun, GivesTheMassThatTheHandMovesOnADynamicArm) {
   ExpectInside(*result.axes[1].felt_mass_kg, truth_kg, "felt mass");
 }
 
-// The truth is in the cells' files: each estimate's interval must contain it. Cells not listed have the arm,
-// tool and hand of a listed one in free air.
+// The true values are in the cells' files. Each estimate's interval must contain its true value. The cells
+// that are not listed have the same arm, tool and hand in free air as a listed cell.
 TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
   for (const char* name :
        {"demo", "femoral_canal", "kr_16_thin_plate", "long_drill", "molar", "sawbone_block", "thin_plate"}) {
@@ -183,7 +183,7 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
     ExpectInside(hand.stiffness_N_per_m, truth.stiffness_N_per_m, "stiffness");
     ExpectInside(hand.damping_Ns_per_m, truth.damping_Ns_per_m, "damping");
     ExpectInside(hand.mass_kg, truth.mass_kg, "mass");
-    // thin_plate's arm is on a mount whose motion the encoders don't see: its intervals are wide
+    // thin_plate's arm is on a mount whose motion the encoders don't measure, so its intervals are wide
     if (std::string(name) != "thin_plate") {
       // the simulated mass is integrated by backward Euler, which delays it by half a period
       EXPECT_NEAR(hand.grip_time_s.value, truth.grip_time_s + 0.5 * setup.config.servo.period_s,
@@ -197,7 +197,7 @@ TEST(HeldRun, FindsTheHandsOfTheShippedCells) {
   }
 }
 
-// --- stability limits predicted from an identified arm, for the other arms of the design ---
+// --- stability limits predicted from an identified arm, for three further arms ---
 
 struct TableArm {
   const char* name;

@@ -98,7 +98,8 @@ TEST(IdentifyJoints, AJointOfAKrIsIdentifiedAsSimulated) {
 }
 
 // An arm with masses, and with friction that the controller does not compensate. At 2 % of their speed its
-// joints stick and must be refused; the design found "A1 687 Hz, zeta 67".
+// joints stick and must be refused; otherwise the fit would give absurd values (687 Hz and zeta 67 for A1 in
+// a prototype).
 TEST(IdentifyJoints, JointsThatStickAtASlowMotionAreRefused) {
   session::CellSetup setup = CellNamed("demo");
   setup.config.simulated.level = hil::ArmLevel::kDynamic;
@@ -171,8 +172,8 @@ TEST(ExcitedRun, AnObstacleOnAJointsPathIsRefused) {
   session::CellSetup setup = CellNamed("demo");
   simulation::Ball obstacle = setup.bone.balls.front();
   const Pose X_WF = setup.config.start.X_WT * setup.config.tool.X_FT.inverse();
-  // A ball 70 mm beside the flange's axis; the flange's radius is 65 mm. Free at the start, hit within a
-  // degree.
+  // The nearest point of this ball is 70 mm beside the flange's axis, and the flange's radius is 65 mm. The
+  // flange is clear of the ball at the start and hits it within a degree.
   const Vector3 sideways = setup.config.X_WB.linear() * Vector3::UnitY();
   const Vector3 center_G = setup.X_WG.inverse() * (X_WF.translation() + 0.071 * sideways);
   obstacle.center_m = center_G;

@@ -197,9 +197,9 @@ TEST(PassiveLag, IsSeparatedFromTheYieldingToAHandsForce) {
   EXPECT_NE(little.error().find("too little: found"), std::string::npos);
 }
 
-// The design's run of thin_plate: the hand pulls the tool against the law's 300 N s/m and presses besides,
-// and the arm (5.27 kg at 15 Hz) yields to it. An estimate that ignores the force finds 12 to 21 ms instead
-// of 24.2 ms.
+// A run of thin_plate in docs/identify.md: the hand pulls the tool against the law's 300 N s/m and also
+// presses, and the arm (5.27 kg at 15 Hz) yields to the force. An estimate that ignores the force finds 12 to
+// 21 ms instead of 24.2 ms.
 TEST(PassiveLag, IsUnderestimatedIfTheHandsForceIsIgnored) {
   constexpr double kLag_s = 24.2e-3, kDrag_Ns_per_m = 300.0;
   const double yields_m_per_N = 1.0 / (5.27 * std::pow(2.0 * std::numbers::pi * 15.0, 2));

@@ -12,7 +12,7 @@
 #include "control/excitation/multisine.h"
 #include "hil/arm/dynamic_arm.h"
 
-// Fits an arm's own impedance to its response to a wrench. The truths are known and the seeds fixed.
+// Fits an arm's own impedance to its response to a wrench. The true values are known and the seeds fixed.
 
 namespace osteon::studies {
 namespace {
@@ -20,7 +20,8 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double kPeriod_s = 1e-3, kNominal_N_per_m = 2000.0;
 
-// The arm by the cell's file, from which the fit starts. torque: joint impedance instead of Cartesian.
+// The arm as in the cell's file, from which the fit starts. @param torque  true: joint impedance; false:
+// Cartesian impedance
 OverlaidArm ArmByFile(bool torque) {
   static const config::CellConfig cell =
       config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate_impedance.yaml");

@@ -82,8 +82,8 @@ TEST(MeasuredGains, AHandsLoopIsJudgedByItsMeasuredResponse) {
                                        s * s * result.tool_mass_kg;
     const std::complex<double> expected =
         ModelResponse(arm, at.hz) * std::exp(-s * delay_s) * truth / fitted_impedance;
-    // 8 %: the measured response is smoothed over a third of an octave, in which its phase changes (7.5 %
-    // seen)
+    // 8 %: the measured response is smoothed over a third of an octave, in which its phase changes; 7.5 % was
+    // measured
     EXPECT_LT(std::abs(at.value - expected), 0.08 * std::abs(expected)) << at.hz << " Hz";
     exact_lines.push_back({.hz = at.hz, .value = expected, .sd = 1e-3 * std::abs(expected)});
   }

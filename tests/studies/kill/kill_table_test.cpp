@@ -76,8 +76,8 @@ TEST(KillTable, DetectsThatAnotherFaultCameFirst) {
       << "what is wrong stays wrong";
 }
 
-// A tool that is pressed on bone hardly moves. While its arm is still commanded, this is no rest: the stop
-// comes later.
+// A tool that is pressed on bone hardly moves. While the arm is still being commanded, it is not at rest:
+// rest begins only after the commands end.
 TEST(CellTrace, ACommandedArmIsNotAtRestHoweverSlowItIs) {
   const auto cycle = [](int ms, control::SessionState session, double speed_m_per_s) {
     session::CellCycle made;

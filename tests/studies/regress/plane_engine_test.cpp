@@ -41,7 +41,7 @@ TEST(PlaneEngine, PushesAtTheBallsDeepestPointWithStiffnessTimesDepth) {
     const simulation::Contact& contact = model.contacts.front();
     EXPECT_NEAR(contact.gap_m, -depth_m, 1e-12);
     EXPECT_NEAR((Vector3(contact.n_W) - Vector3::UnitZ()).norm(), 0.0, 1e-15);
-    // the contact's point is the head's lowest, below its centre
+    // the contact's point must be the head's lowest point, a radius below the centre
     const Vector3 touching = X_WT * Vector3(contact.p_TP_m), center = X_WT * Vector3(0, 0, -kRadius_m);
     EXPECT_NEAR((touching - (center - kRadius_m * Vector3::UnitZ())).norm(), 0.0, 1e-12);
     EXPECT_NEAR(Vector3(contact.p_W_m).z(), 0.1, 1e-12);

@@ -11,7 +11,8 @@
 namespace osteon::studies {
 namespace {
 
-// Four results: equal to the golden trace, with other bits, beyond a tolerance, and without a golden trace.
+// Four results: one equal to the golden trace, one with other bits, one beyond a tolerance, and one without a
+// golden trace.
 std::vector<RegressResult> ResultsOfEachKind() {
   const auto make = [](const std::string& name, const auto& change) {
     RegressResult result;
@@ -103,7 +104,8 @@ TEST(RegressResult, JsonHasTheDocumentedKeys) {
   EXPECT_EQ(json["scenarios"][2]["first_difference"]["tick"], 8);
 }
 
-// The file has one suite, one case for each scenario, the counts, and no character that XML forbids.
+// The JUnit file must have one suite, one case for each scenario, the counts, and no character that XML
+// forbids.
 TEST(RegressResult, JunitFileIsXmlWithACaseForEachScenario) {
   const auto results = ResultsOfEachKind();
   const RegressOptions options;

@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// A trace of 40 ticks whose digests begin at tick 5 and whose samples are 10 ticks apart.
+/// A trace of 40 ticks. Its digests begin at tick 5 and its samples are 10 ticks apart.
 inline ScenarioTrace SampleTrace() {
   ScenarioTrace trace;
   trace.period_s = 1e-3;

@@ -26,7 +26,7 @@ TEST(TraceDifference, IsEmptyForEqualTraces) {
   EXPECT_EQ(ExplanationOf(same), "");
 }
 
-// Two digests differ by a bit each, no sample differs: the comparison passes, but is not identical.
+// Two digests differ by a bit each, but no sample differs. The comparison must pass without being identical.
 TEST(TraceDifference, ADifferentBitPassesWithoutBeingIdentical) {
   ScenarioTrace now = SampleTrace();
   now.hash ^= 1u;
@@ -54,7 +54,7 @@ TEST(TraceDifference, NamesFirstTheQuantityThatLeftItsToleranceFirst) {
   now.digests[3][static_cast<std::size_t>(TracePart::kArm)] ^= 4u;
   now.samples[1].values[force] += 0.02;    // tick 20, beyond 0.01 N
   now.samples[2].values[force] -= 0.5;     // tick 30
-  now.samples[2].values[place] += 0.004;   // beyond 0.001 mm, later
+  now.samples[2].values[place] += 0.004;   // tick 30, beyond 0.001 mm
   now.samples[0].values[small] += 0.0005;  // within
   const TraceDifference difference = Compare(SampleTrace(), now, kTolerances);
   EXPECT_FALSE(difference.passed);
@@ -84,7 +84,7 @@ TEST(TraceDifference, WritesLargeRatiosWithoutAnExponent) {
   EXPECT_NE(text.find("at most 40.3 (4030 tolerances)"), std::string::npos) << text;
 }
 
-// A peak between two samples is in no sample, only in the extremes.
+// A peak between two samples changes no sample, only the recorded extremes.
 TEST(TraceDifference, DetectsAPeakBetweenTheSamples) {
   ScenarioTrace now = SampleTrace();
   const std::size_t force = QuantityNamed("hand_x_N");

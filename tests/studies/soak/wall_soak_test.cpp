@@ -41,7 +41,7 @@ TEST(WallScript, DependsOnTheSeedOnlyAndHasEveryEvent) {
     EXPECT_EQ(episode.event == WallEvent::kTools, episode.life.plan);
     EXPECT_EQ(std::ranges::count_if(episode.pauses, &WallPause::next_tool),
               episode.event == WallEvent::kTools ? static_cast<int>(kToolsOfPlan) - 1 : 0);
-    // after a kill in contact the tool is in bone, where no controller may start
+    // after a kill in contact the tool is in bone, so no controller may start there
     EXPECT_TRUE(!episode.in_contact || episode.ends_life);
     EXPECT_EQ(episode.life.index != WallEpisodeAt(3, index + 1).life.index, episode.ends_life) << index;
   }
@@ -62,7 +62,7 @@ TEST(WallScript, ASoakShorterThanAnEpisodeIsOneShortReaming) {
   }
 }
 
-// Each pause for a change of tools must lie in the phase in which the scripted hand changes the tool.
+// Each pause for a change of tool must lie in the phase in which the scripted hand changes the tool.
 TEST(WallScript, ToolsAreChangedDuringTheHandsChangePhases) {
   int index = 0;
   while (!WallEpisodeAt(3, index).life.plan) ++index;

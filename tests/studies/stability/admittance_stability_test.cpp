@@ -1,5 +1,5 @@
-// Model B of the design's stability page: a hand that holds an admittance-controlled arm. The shipped loop is
-// compared with an independent model in plain scalars, and both with the design's tables.
+// Model B of docs/theory/stability.md: a hand that holds an admittance-controlled arm. The shipped loop is
+// compared with an independent model in plain scalars, and both with the tables of that page.
 
 #include <cmath>
 #include <numbers>
@@ -16,14 +16,15 @@
 namespace osteon::studies {
 namespace {
 
-/// A case of the design's table. rho is the spectral radius for one period: below 1 the loop is stable.
+/// A row of the table in docs/theory/stability.md. rho is the spectral radius for one period: below 1 the
+/// loop is stable.
 struct Row {
   const char* name;
   hil::GridHand hand;
-  double m_v, b_v;  // virtual tool
+  double m_v, b_v;  // virtual tool: mass [kg], drag [N s/m]
   hil::LoopWall wall;
-  double rho;        // of the shipped loop
-  double first_rho;  // of the design's first table; 0: not in it
+  double rho;        // rho of the shipped loop
+  double first_rho;  // rho of the model's first form; 0: not in the table
 };
 void PrintTo(const Row& row, std::ostream* os) { *os << row.name; }
 
@@ -33,8 +34,8 @@ hil::AdmittanceLoopParams LoopOf(const Row& row) {
 
 const hil::GridHand kFirm{"firm", 500.0, 20.0, 1.5}, kStiff{"stiff", 3000.0, 60.0, 3.0},
     kFixture{"fixture", 20000.0, 50.0, 0.0};
-// Walls by their stiffness [N/m]: computed in the tick, by a force that is `ticks` old, or on the measured
-// pose.
+// Walls of this stiffness [N/m]. The force is that of the commanded pose in the same tick, that of the pose
+// `ticks` before, or that of the measured pose.
 hil::LoopWall LocalWall(double stiffness) { return {.stiffness_N_per_m = stiffness}; }
 hil::LoopWall DelayedWall(double stiffness, int ticks) {
   return {.stiffness_N_per_m = stiffness, .age_ticks = ticks};
@@ -52,15 +53,15 @@ TEST_P(ModelB, SpectralRadiusEqualsThatOfTheModelInScalars) {
   EXPECT_NEAR(radius, AdmittanceModelRadius(LoopOf(GetParam()), HandAcceleration::kMeanOfPeriod), 1e-10);
 }
 
-// The design's first table used the acceleration just after the command's step, and one more period of dead
-// time.
+// The model's first form (docs/theory/stability.md) used the hand's acceleration just after the command's
+// step, and one more period of dead time than now.
 TEST_P(ModelBFirstTable, TheModelInScalarsReproducesTheDesignsFirstTable) {
   hil::AdmittanceLoopParams loop = LoopOf(GetParam());
   loop.arm.dead_cycles = 4;
   EXPECT_NEAR(AdmittanceModelRadius(loop, HandAcceleration::kAfterCommandStep), GetParam().first_rho, 0.6e-7);
 }
 
-// The loop's step is run in time, over many periods of its mode.
+// Runs the loop step by step, over many periods of its slowest mode.
 TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
   const hil::AdmittanceLoop loop(LoopOf(GetParam()));
   const double log_rho = std::log(GetParam().rho);
@@ -74,8 +75,8 @@ TEST_P(ModelB, GrowthInTimeEqualsTheSpectralRadius) {
 TEST_P(ModelB, ShippedPartsGrowAsPredicted) {
   const double log_rho = std::log(GetParam().rho);
   AdmittanceRunParams run{.loop = LoopOf(GetParam())};
-  run.kick_m_per_s = 1e-9;  // leaves room to grow within the wall's linear range
-  // the motion must change by this many factors of e to stand out of rounding, which is larger on a wall
+  run.kick_m_per_s = 1e-9;  // small, so that the motion can grow within the wall's linear range
+  // the motion must change by this many factors of e to exceed rounding, which is larger on a wall
   const double e_folds = GetParam().wall.stiffness_N_per_m > 0.0 ? 12.0 : 20.0;
   run.seconds = 1e-3 * std::round(e_folds / std::abs(log_rho));
   EXPECT_NEAR(SimulatedGrowth(run), log_rho, 0.05 * std::abs(log_rho) + 2e-5);
@@ -102,13 +103,13 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelB, testing::ValuesIn(Rows()),
 INSTANTIATE_TEST_SUITE_P(Design, ModelBFirstTable, testing::ValuesIn(FirstRows()),
                          [](const auto& test) { return test.param.name; });
 
-/// The stiffest stable wall of a firm hand, by the design.
+/// The stiffest stable wall with a firm hand, from docs/theory/stability.md.
 struct WallRow {
   const char* name;
   hil::WallOn on;
   int age_ticks, sensor_delay;
   double most_kN_per_m;
-  double tolerance;  // the design gives two or three digits
+  double tolerance;  // the page gives two or three digits
 };
 void PrintTo(const WallRow& row, std::ostream* os) { *os << row.name; }
 
@@ -137,7 +138,7 @@ TEST_P(MaxWallStiffnessOfAFirmHand, IsReachedWithinOnePercentByTheShippedParts) 
   EXPECT_NEAR(seen.value, predicted, 0.01 * predicted);
 }
 
-// (The first table, with one more period of dead time, had 192, 101, 67, 53, 18 and 2.4 kN/m.)
+// (The model's first form, with one more period of dead time, had 192, 101, 67, 53, 18 and 2.4 kN/m.)
 INSTANTIATE_TEST_SUITE_P(
     Design, MaxWallStiffnessOfAFirmHand,
     testing::Values(WallRow{"local", hil::WallOn::kCommanded, 0, 1, 208.3, 0.002},
@@ -161,22 +162,24 @@ TEST(AdmittanceStability, LocalWallIsUnstableUpTo1000kNAndThenStableAgain) {
   }
 }
 
-// The least drag for a stable grip: with a firm hand's damping and mass, and with neither (a clamp).
+// The least drag with which a grip is stable: grips with a firm hand's damping and mass, and a clamp, which
+// has neither.
 TEST(AdmittanceStability, StifferGripsNeedMoreDrag) {
   const auto least = [](double k, double b, double m) {
     hil::AdmittanceLoopParams loop;
     loop.hand = {"", k, b, m};
     return hil::MinDrag(loop);
   };
-  // (the first table, with one more period of dead time, had 24, 125, 367 and 657 N s/m)
+  // (the model's first form, with one more period of dead time, had 24, 125, 367 and 657 N s/m)
   EXPECT_NEAR(least(3e3, 20, 1.5), 28.43, 0.002 * 28.43);
   EXPECT_NEAR(least(10e3, 20, 1.5), 124.7, 0.002 * 124.7);
   EXPECT_NEAR(least(30e3, 20, 1.5), 353.4, 0.002 * 353.4);
   EXPECT_NEAR(least(50e3, 0, 0), 622.9, 0.002 * 622.9);
 }
 
-// The design's figures at 1.7 kg. With the acceleration's mean over the period, the least drag of a grip
-// is 21.1 N s/m, not 14.5; with one period less of dead time 19.4. The demo cell's critical hand needs 27.7.
+// Figures of docs/theory/stability.md at 1.7 kg. The loop uses the mean of the acceleration over the period.
+// The least drag with a grip is then 21.1 N s/m (14.5 in the model's first form), and 19.4 N s/m with one
+// period less of dead time. The demo cell's critical hand needs 27.7.
 TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   const auto least = [](const hil::GridHand& hand, double dead) {
     hil::AdmittanceLoopParams loop{.hand = hand, .mass_kg = 1.7};
@@ -189,7 +192,8 @@ TEST(AdmittanceStability, TheMeanAccelerationNeedsTheDesignsDrag) {
   EXPECT_NEAR(least(critical_hand, 4), 27.7, 0.1);
 }
 
-// The least drag grows with a dead time of part periods too, and the shipped parts turn stable at that drag.
+// The least drag also grows with a dead time of a fraction of a period. The shipped parts must become stable
+// at the predicted drag.
 TEST(AdmittanceStability, ShippedPartsTurnStableAtThePredictedDragForAnyDeadTime) {
   hil::AdmittanceLoopParams loop;
   double before = 0.0;
@@ -207,8 +211,8 @@ TEST(AdmittanceStability, ShippedPartsTurnStableAtThePredictedDragForAnyDeadTime
   }
 }
 
-// The hand's force itself moves an arm with a finite felt mass, which lowers the least drag; it hardly moves
-// a heavy arm.
+// The hand's force moves an arm with a finite felt mass, which lowers the least drag. A heavy arm hardly
+// moves.
 TEST(AdmittanceStability, AnArmThatYieldsToTheHandTurnsStableAtThePredictedDrag) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"grip", 3e3, 20.0, 1.5};

@@ -17,8 +17,8 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Simulates that equation in semi-implicit steps of dt, as in the shipped law. In each step the force is that
-// of a pose age() samples old, at most `most`. K acts with ages up to (most + 1) dt, as a force is held for a
-// step.
+// of the pose age() samples before; age() is at most `most`. The largest age of K's force is (most + 1) dt,
+// because a force is applied for a whole step.
 // @returns logarithm of the growth from the second third to the last; negative: the motion decays
 template <int N, typename Age>
 double LogGrowth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<double, N, N>& D,
@@ -40,7 +40,8 @@ double LogGrowth(const Eigen::Matrix<double, N, N>& M, const Eigen::Matrix<doubl
   return std::log(size[2] / size[1]);
 }
 
-// A random symmetric matrix, its eigenvalues evenly distributed in the logarithm over least … most.
+// A random symmetric matrix. The logarithms of its eigenvalues are uniformly distributed between those of
+// `least` and `most`.
 Matrix6 RandomSymmetric(std::mt19937_64& bits, double least, double most) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> spread(std::log(least), std::log(most));
@@ -66,7 +67,7 @@ int CountGrowing(double factor) {
   return growing;
 }
 
-// In closed form: the stiffest direction alone decides.
+// The closed form: only the stiffest direction matters.
 TEST(AgeBound, ReserveIsTheLeastDampingLessAgeTimesStiffness) {
   Matrix6 K = 100.0 * Matrix6::Identity();
   K(2, 2) = 2000.0;
@@ -80,7 +81,7 @@ TEST(AgeBound, NoneOf1000RandomSystemsGrowsWithDampingAboveAgeTimesStiffness) {
 
 TEST(AgeBound, MostOf1000RandomSystemsGrowWithAFifthOfThatDamping) { EXPECT_GT(CountGrowing(0.2), 900); }
 
-// A constant maximal age is a case that random ages don't cover.
+// The age is always the largest one, a case that random ages don't cover.
 TEST(AgeBound, HoldsForAConstantMaximalAge) {
   std::mt19937_64 bits(7);
   for (int i = 0; i < 50; ++i) {

@@ -1,5 +1,6 @@
 // Stability of loops with compliance (docs/theory/compliance.md): a massless link, and a bone on its mount,
-// added to Model B. The rows are the design's: a hand of 3000 N/m, 60 N s/m and 3 kg, and an arm of 15 Hz.
+// added to Model B. The rows are those of that page's tables: a hand of 3000 N/m, 60 N s/m and 3 kg, and an
+// arm of 15 Hz.
 
 #include <cmath>
 #include <numbers>
@@ -19,8 +20,8 @@ namespace {
 
 const hil::GridHand kStiff{"stiff", 3000.0, 60.0, 3.0};
 
-/// The design's loop with a wall of this stiffness, and a virtual tool of m_v [kg] and b_v [N s/m]; still
-/// rigid.
+/// The tables' loop with a wall of this stiffness, and a virtual tool of mass m_v [kg] and drag b_v [N s/m],
+/// without compliance.
 hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v) {
   hil::CompliantLoopParams params;
   params.loop.hand = kStiff;
@@ -30,15 +31,15 @@ hil::CompliantLoopParams LoopOf(double stiffness_N_per_m, double m_v, double b_v
   return params;
 }
 
-/// Expects a spectral radius of the design's table: its logarithm within 1 %.
+/// Expects a spectral radius of the tables: its logarithm within 1 %.
 void ExpectRadius(double found, double expected) {
   const double log_rho = std::log(expected);
   EXPECT_NEAR(std::log(found), log_rho, 0.01 * std::abs(log_rho) + 6e-6) << "five digits are given";
 }
 
-/// A massless link of stiffness k in series with a wall of stiffness K [N/m]. Spectral radii: without the
-/// link, with a time constant of 20 ms (also by the mean acceleration), and with one that is too short; then
-/// the shortest stable one.
+/// A massless link of stiffness k in series with a wall of stiffness K [N/m]. Spectral radii: rigid without
+/// the link; at_20ms with the link's time constant of 20 ms, at_20ms_mean also with the mean acceleration;
+/// too_fast with the time constant fast_ms (0: not given). least_ms is the shortest stable time constant.
 struct LinkRow {
   const char* name;
   double K, k, m_v, b_v, rigid, at_20ms, at_20ms_mean, fast_ms, too_fast, least_ms;
@@ -63,7 +64,8 @@ TEST_P(MasslessLink, HasTheDesignsRadiiAndBoundary) {
   params.mean_acceleration = false;
   const double least_ms = 1e3 * hil::MinLinkTime_s(params);
   EXPECT_NEAR(least_ms, row.least_ms, 0.01 * row.least_ms + 5e-3);
-  // the rule by which cells are checked, 0.5 ms (K/k - 1), is within 3 % of the shortest stable time constant
+  // cells are checked by the rule 0.5 ms (K/k - 1); it must be within 3 % of the shortest stable time
+  // constant
   EXPECT_NEAR(0.5 * (row.K / row.k - 1.0), least_ms, 0.03 * least_ms);
 }
 
@@ -77,8 +79,8 @@ INSTANTIATE_TEST_SUITE_P(
         LinkRow{"burr_2_3", 40e3, 9.552e3, 1.7, 30, 0.99035, 0.97558, 0.97590, 1.0, 1.60540, 1.61}),
     [](const auto& test) { return test.param.name; });
 
-/// A bone on a mount of this frequency. Spectral radii, by how many ticks late the coupling's planes follow
-/// the bone; the last two by the mean acceleration.
+/// A bone on a mount of this frequency. Spectral radii for planes that follow the bone in the same tick, 4,
+/// 12 and 20 ticks late; then in the same tick and 20 ticks late with the mean acceleration.
 struct MountRow {
   const char* name;
   double mass_kg, hz;
@@ -105,7 +107,8 @@ TEST_P(BoneOnItsMount, HasTheDesignsRadii) {
   }
 }
 
-// Late planes are those of an engine that moves the bone itself: 12 kg at 15 Hz grow from 12 ms on.
+// The planes are late if the engine moves the bone, instead of the coupling. A bone of 12 kg at 15 Hz is then
+// unstable from 12 ms on.
 INSTANTIATE_TEST_SUITE_P(
     Design, BoneOnItsMount,
     testing::Values(MountRow{"12kg_6Hz", 12, 6, 0.99565, 0.99520, 0.99419, 0.99297, 0.99615, 0.99366},
@@ -114,8 +117,9 @@ INSTANTIATE_TEST_SUITE_P(
                     MountRow{"3kg_10Hz", 3, 10, 0.99036, 1.00240, 1.01661, 1.01997, 0.99127, 1.02037}),
     [](const auto& test) { return test.param.name; });
 
-// Where the mount's rules hold, the loop must be stable. Tried with random mounts and random hands, which are
-// stable in free air and on the rigid wall up to K (1 + m_v / m).
+// If a mount keeps the rules, the loop must be stable. The test tries random mounts and random hands. The
+// hands are stable in free air and on rigid walls up to the stiffness K (1 + m_v / m), with the bone's mass
+// m.
 TEST(MountRules, HoldForRandomMountsAndHands) {
   std::mt19937_64 bits(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -153,8 +157,8 @@ TEST(MountRules, HoldForRandomMountsAndHands) {
   EXPECT_EQ(unstable, 0) << "of " << keeping_rules;
 }
 
-// A firm grip on a light tool, stable on the rigid wall only: with half the damping that the rule requires,
-// the mount makes it unstable.
+// The loop of this firm grip is stable on a rigid wall. A mount with half the damping that the rule requires
+// must make it unstable. A mount that keeps the rule must not.
 TEST(MountRules, TellUnstableMountsFromStableOnes) {
   hil::CompliantLoopParams params = LoopOf(20e3, 3.0, 20.0);
   params.loop.hand = {"firm grip", 6000.0, 10.0, 1.0};
@@ -165,8 +169,8 @@ TEST(MountRules, TellUnstableMountsFromStableOnes) {
   EXPECT_LT(hil::CompliantLoop(params).SpectralRadius(), 0.998) << "this mount keeps the rule";
 }
 
-// A force at a lever L also turns the bone, which lowers the effective mass: 1/m_eff = 1/m + L²/I across the
-// lever.
+// A force at a lever L also turns the bone, which lowers the effective mass: 1/m_eff = 1/m + L²/I, with the
+// inertia I about the axis perpendicular to lever and force.
 TEST(MassRule, IncludesTheRotationAboutTheMount) {
   control::BoneMountParams mount;
   mount.inertia_kg_m2 = {0.1, 0.2, 0.3};
@@ -183,7 +187,8 @@ TEST(MassRule, IncludesTheRotationAboutTheMount) {
   EXPECT_NEAR(mass_kg({0.08, 0.0, 0.0}), 1.0 / (1.0 / 12.0 + 0.0064 / 0.2), 1e-10);
 }
 
-// With a stiff coupling, light bone breaks the rule: the stated least mass must be the boundary.
+// With a stiff coupling, a light bone violates the rule. The stated least mass must be the boundary between
+// keeping and violating it.
 TEST(MassRule, StatesTheLeastMassThatKeepsIt) {
   hil::AdmittanceLoopParams rigid;
   rigid.hand = {"operator", 2000.0, 60.0, 1.5};
@@ -220,7 +225,7 @@ TEST(CompliantLoop, EqualsTheAdmittanceLoopWithTheMeanAcceleration) {
     const double mean = hil::CompliantLoop(params).SpectralRadius();
     EXPECT_NE(mean, design);
     hil::AdmittanceLoopParams rigid = params.loop;
-    rigid.arm.dead_cycles += 1.0;  // counts from the tick that sends the command
+    rigid.arm.dead_cycles += 1.0;  // AdmittanceLoop counts the sending tick too
     EXPECT_NEAR(mean, hil::AdmittanceLoop(rigid).SpectralRadius(), 1e-9);
   }
 }

@@ -31,7 +31,7 @@ const CompliantLoopParams& Validated(const CompliantLoopParams& params) {
   return params;
 }
 
-// The shipped mount's parameters of this mass and frequency.
+// The parameters of the shipped mount with this mass and frequency.
 control::BoneMountParams MountOf(const LoopMount& mount) {
   const double w = 2.0 * std::numbers::pi * mount.frequency_hz;
   control::BoneMountParams params;
@@ -42,7 +42,7 @@ control::BoneMountParams MountOf(const LoopMount& mount) {
 }
 
 // Transition of the shipped servo in one period, without dead time: from (x_r, x_r', command) to (x_r, x_r')
-// at its end. Found by stepping the servo from single states.
+// at its end. Each column is found by stepping the servo from a unit state.
 Eigen::Matrix<double, 2, 3> ServoTransition(ServoArmParams params, double period_s) {
   params.dead_cycles = 0;
   std::array<kinematics::JointLimits, 7> unlimited;
@@ -68,8 +68,8 @@ int DeadTicks(const ServoArmParams& params) { return static_cast<int>(std::lroun
 
 }  // namespace
 
-// State: x_c now and in earlier ticks; x_r, x_r'; the virtual tool's speed; earlier felt forces; the link's
-// e; the mount's d, d' and earlier d; x_r' a period before.
+// The state: commands x_c, newest first; the arm's x_r and x_r'; the virtual tool's speed; earlier measured
+// forces; the link's deflection e; the mount's displacement d, d' and earlier d; x_r' one period before.
 CompliantLoop::CompliantLoop(const CompliantLoopParams& params)
     : params_(Validated(params)), arm_step_(ServoTransition(params.loop.arm, params.loop.period_s)) {
   arm_ = 1 + DeadTicks(params.loop.arm);

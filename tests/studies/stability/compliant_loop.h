@@ -4,7 +4,7 @@
 
 #include "hil/loops/admittance_loop.h"
 
-// Model B of the design's stability page (a hand at an admittance-controlled arm) with compliance between the
+// Model B of docs/theory/stability.md (a hand at an admittance-controlled arm) with compliance between the
 // virtual tool and the wall: a massless link, and a bone on its mount.
 //
 //     hand ── arm: w, z, dead time ◀── x_c ── virtual tool ── link e ── K ── wall ── mount d: m, k, zeta
@@ -21,17 +21,17 @@ struct LoopLink {
 /// A bone that moves on its mount.
 struct LoopMount {
   double mass_kg{12.0};
-  double frequency_hz{10.0};  ///< of the mount alone
+  double frequency_hz{10.0};  ///< natural frequency of the bone on its mount, without contact
   double damping_ratio{0.05};
-  int late_ticks{0};  ///< ticks by which the coupling's planes follow the bone late
+  int late_ticks{0};  ///< delay of the coupling's planes behind the bone [ticks]
 };
 
 struct CompliantLoopParams {
-  AdmittanceLoopParams loop;  ///< its wall may have a stiffness only, on the commanded pose
+  AdmittanceLoopParams loop;  ///< its wall may only have a stiffness, and must act on the commanded pose
   std::optional<LoopLink> link{};
   std::optional<LoopMount> mount{};
-  /// The hand's acceleration is the mean over the period before, as in AdmittanceLoop; false: that at the
-  /// period's beginning, as in the design.
+  /// true: the hand's acceleration is the mean over the previous period, as in AdmittanceLoop; false: it is
+  /// that at the period's beginning, as in the tables of docs/theory/compliance.md.
   bool mean_acceleration{false};
 };
 
@@ -45,7 +45,8 @@ struct CompliantLoopParams {
 ///             x_r'' = w^2 (x_c[k-dc] - x_r) - 2 z w x_r'
 ///
 /// The dead time dc is counted in whole periods. With mean_acceleration, x_r'' = (x_r'[k] - x_r'[k-1]) / T
-/// instead: the design's acceleration adds m_h w^2 T / 2 to the hand's damping just after a command's step.
+/// instead. The acceleration at the period's beginning adds m_h w^2 T / 2 to the hand's damping just after a
+/// command's step.
 class CompliantLoop {
  public:
   /// @throws std::invalid_argument naming the field, what was found and what is accepted.
@@ -54,7 +55,7 @@ class CompliantLoop {
   [[nodiscard]] int size() const { return size_; }
   /// The state one period later; linear in `state`.
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
-  /// Factor per period by which the slowest mode decays, or grows above 1.
+  /// Factor by which the slowest mode changes in a period: below 1 it decays, above 1 it grows.
   [[nodiscard]] double SpectralRadius() const;
 
  private:

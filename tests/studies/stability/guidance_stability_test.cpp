@@ -13,7 +13,8 @@ GuidedLoopParams ShippedLoop() {
   return params;
 }
 
-// The stiffness is the slope of the shipped field: the funnel acts at the head, the cone at the apex.
+// The loop's stiffness matrix K must equal the slope of the shipped guidance field: the funnel acts at the
+// head, the cone at the apex.
 TEST(GuidanceStability, StiffnessEqualsThatOfFunnelAndCone) {
   const GuidedLoopParams params = ShippedLoop();
   const Eigen::Matrix2d K = GuidedLoop(params).stiffness();
@@ -28,8 +29,8 @@ TEST(GuidanceStability, StiffnessEqualsThatOfFunnelAndCone) {
               0.01 * params.guidance.cone.stiffness);
 }
 
-// Without a lever nothing turns: without guidance, the planar loop must be stable for the same hands as the
-// loop of one axis.
+// Without a lever, nothing turns. Without guidance too, the planar loop must be stable for the same hands as
+// the loop of one axis.
 TEST(GuidanceStability, WithoutALeverEqualsTheLoopOfOneAxis) {
   GuidedLoopParams params = ShippedLoop();
   params.lever_m = 0.0;

@@ -1,4 +1,4 @@
-// Model A of the design's stability page: an impedance device at a virtual wall.
+// Model A of docs/theory/stability.md: an impedance device at a virtual wall.
 
 #include <cmath>
 #include <ostream>
@@ -11,7 +11,8 @@
 namespace osteon::studies {
 namespace {
 
-// A case of the design's table: mass m [kg], drag b and wall damping B [N s/m], delay d [ticks].
+// A case that a prototype of this model computed: mass m [kg], drag b and wall damping B [N s/m], delay d
+// [ticks].
 struct Row {
   const char* name;
   double m, b, B;
@@ -45,7 +46,8 @@ TEST_P(ModelA, GrowthInTimeEqualsTheSpectralRadiusOnBothSidesOfTheLimit) {
   }
 }
 
-// The rule of thumb (b + B) / (T/2 + t_d) holds unless the wall's damping decides.
+// The rule of thumb for the stiffest wall is (b + B) / (T/2 + t_d), with the period T and the delay t_d. It
+// must hold if the wall has no damping B.
 TEST_P(ModelA, RuleOfThumbGivesTheLimitWithoutWallDamping) {
   const Row& row = GetParam();
   const double rule = (row.b + row.B) / (0.5e-3 + 1e-3 * row.d);
@@ -62,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Design, ModelA,
                                          Row{"heavy_damped_wall", 5, 20, 50, 5, 12472, 12727}),
                          [](const auto& test) { return test.param.name; });
 
-// Stability is not passivity: a hand can still excite the loop.
+// A stable loop need not be passive: some hand may still excite it.
 TEST(ModelA, PassivityNeedsMoreDampingThanStability) {
   ImpedanceLoopParams wall{.wall_stiffness_N_per_m = 700.0, .delay = 2};
   EXPECT_LT(ImpedanceLoop(wall).SpectralRadius(), 1.0);

@@ -41,8 +41,8 @@ TEST(InertiaStability, WithoutCompensationTheToolActsAsHandMass) {
               hil::AdmittanceLoop(heavier).SpectralRadius(), 1e-12);
 }
 
-// Beyond a share of 1 + m_v / m_t the virtual tool has a negative mass. The arm's lag raises the limit
-// somewhat, a hand's mass lowers it.
+// If the compensated share exceeds 1 + m_v / m_t, with the virtual mass m_v and the tool's mass m_t, the
+// total mass is negative. The arm's lag raises the stability limit a little, a hand's mass lowers it.
 TEST(InertiaStability, TheMaxShareIsNearThatOfZeroVirtualMass) {
   for (const double tool_kg : {0.5, 1.2, 2.5}) {
     const double zero_mass_share = 1.0 + 3.0 / tool_kg;
@@ -66,9 +66,9 @@ TEST(InertiaStability, MotionGrowsAboveTheMaxShareAndDecaysBelow) {
   EXPECT_GT(growth(1.05 * bound), 1e-5);
 }
 
-// In a cell the hands decide, not that limit: the filters' lag acts as negative drag, which the virtual
-// tool's drag must outweigh. Tried with every hand up to 3 kN/m and a tool of 1.2 kg on a virtual tool of 3
-// kg.
+// In a cell, stability with hands limits the share, not the virtual mass. The filters' lag acts as negative
+// drag, so the virtual tool's drag must be larger than this. The test tries every hand up to 3 kN/m, with a
+// tool of 1.2 kg and a virtual tool of 3 kg.
 TEST(InertiaStability, With35NewtonSecondsPerMetreAllHandsAllowSevenTenths) {
   const auto unstable_hands = [](double share, double damping_Ns_per_m) {
     int count = 0;

@@ -29,7 +29,8 @@ std::vector<PlantLine> LinesOf(const ResponseModel& truth, double noise = 0.0, s
   return lines;
 }
 
-// Each pole of the loop's matrix must be a zero of 1 + L, with L the law times arm times hand.
+// Each pole of the loop's matrix must be a zero of 1 + L, with the open loop L: the product of the responses
+// of law, arm and hand.
 TEST(MeasuredLoop, OpenLoopIsMinusOneAtTheMatrixsPoles) {
   for (const double dead : {3.0, 3.4}) {
     for (const hil::LoopWall& wall :
@@ -43,7 +44,7 @@ TEST(MeasuredLoop, OpenLoopIsMinusOneAtTheMatrixsPoles) {
       const Eigen::VectorXcd poles =
           Eigen::EigenSolver<Eigen::MatrixXd>(hil::AdmittanceLoop(params).Matrix(), false).eigenvalues();
       for (const std::complex<double>& z : poles) {
-        if (std::abs(z) < 0.5) continue;  // poles of delays, whose values are inaccurate
+        if (std::abs(z) < 0.5) continue;  // poles of delays are computed inaccurately
         const Eigen::Matrix2cd from_state =
             z * Eigen::Matrix2cd::Identity() - arm.step.leftCols<2>().cast<std::complex<double>>();
         const Eigen::Vector2cd command_input =
@@ -88,7 +89,7 @@ hil::AdmittanceLoopParams FineLoop(const hil::GridHand& hand) {
 const ResponseModel kFineModel{.arm = {.dead_cycles = 12}, .period_s = kFine_s};
 
 // The Nyquist criterion against eigenvalues: the drag at which the loop becomes unstable agrees within 2 %;
-// the wall, at which the loop oscillates faster, within 10 %.
+// the stiffest wall, at which the loop oscillates faster, within 10 %.
 TEST(MeasuredLoop, LimitsOfDragAndWallAgreeWithTheMatrix) {
   const MeasuredPlant response(LinesOf(kFineModel), kFineModel);
   for (const hil::GridHand& hand :
@@ -115,8 +116,8 @@ TEST(MeasuredLoop, LimitsOfDragAndWallAgreeWithTheMatrix) {
   }
 }
 
-// At 1 ms the matrix's acceleration is half a period late, so that it needs less drag. The response's verdict
-// is on the safe side.
+// In periods of 1 ms the matrix uses an acceleration that is half a period late, so the matrix needs less
+// drag. The measured response needs up to 8 % more, which is on the safe side.
 TEST(MeasuredLoop, AtOneMillisecondNeedsUpToEightPercentMoreDrag) {
   const ResponseModel model;
   const MeasuredPlant response(LinesOf(model), model);
@@ -152,7 +153,8 @@ TEST(MeasuredLoop, GainMarginIsTheFactorOnTheHandAtTheStabilityLimit) {
   EXPECT_TRUE(margins.robust) << "nothing was noisy";
 }
 
-// The model may be wrong: the measured lines, of a slower arm with more dead time, must decide.
+// The model is wrong here. The measured lines belong to a slower arm with more dead time, and the verdict
+// must follow them.
 TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   const ResponseModel truth{.arm = {.bandwidth_hz = 13.0, .damping_ratio = 1.1, .dead_cycles = 16.8},
                             .period_s = kFine_s};
@@ -169,7 +171,8 @@ TEST(MeasuredLoop, TheMeasurementDecidesNotTheModel) {
   }
 }
 
-// A structural resonance that the encoders don't see makes gains unstable that are stable without it.
+// A structural resonance that the encoders don't measure makes gains unstable that are stable without the
+// resonance.
 TEST(MeasuredLoop, AStructuralResonanceNeedsMoreDrag) {
   const ResponseModel stiff, soft{.arm = {}, .structure = {{.hz = 22.0, .damping_ratio = 0.03}}};
   const MeasuredPlant by_encoders(LinesOf(stiff), stiff), by_force(LinesOf(soft), soft);
@@ -179,8 +182,8 @@ TEST(MeasuredLoop, AStructuralResonanceNeedsMoreDrag) {
   EXPECT_FALSE(JudgeMeasuredLoop(by_force, params).stable);
 }
 
-// The design's claim: encoders miss a resonance that the force sensor sees, which raises the least drag and
-// lowers the stiffest wall.
+// A resonance acts on the force sensor, but the encoders miss it (docs/identify.md). It must raise the least
+// drag and lower the stiffest wall.
 TEST(MeasuredLoop, AResonanceUnseenByEncodersRaisesDragAndLowersWalls) {
   const ResponseModel arm{.arm = {.bandwidth_hz = 15.0, .damping_ratio = 1.0, .dead_cycles = 4.0}};
   const auto with = [&](double hz) {
@@ -209,7 +212,7 @@ TEST(MeasuredLoop, AResonanceUnseenByEncodersRaisesDragAndLowersWalls) {
     }
     return low;
   };
-  // (The design, with its own law and acceleration, has 24 and 949 N s/m, 80.7 and 26.6 kN/m.)
+  // (A prototype with another law and acceleration had 24 and 949 N s/m, 80.7 and 26.6 kN/m.)
   EXPECT_NEAR(least_drag(0.0), 32.0, 1.0);
   EXPECT_GT(least_drag(22.0), 20.0 * least_drag(0.0));
   EXPECT_LT(greatest_wall(35.0), 0.55 * greatest_wall(0.0));

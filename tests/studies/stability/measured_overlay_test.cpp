@@ -102,7 +102,7 @@ TEST(MeasuredOverlay, TheMeasurementDecidesNotTheModel) {
   EXPECT_NEAR(MeasuredWall_N_per_m(measured, by_file), wall, 0.05 * wall);
 }
 
-// Later commands and old planes must lower the stiffest wall as in the matrix.
+// Later commands and older planes must lower the stiffest wall by as much as in the matrix.
 TEST(MeasuredOverlay, LateCommandsAndOldPlanesLowerTheWallAsInTheMatrix) {
   OverlayLoopParams truth = TrueLoop(false);
   const MeasuredOverlay measured(truth, MeasuredOf(truth));
@@ -128,7 +128,7 @@ TEST(MeasuredOverlay, GainMarginIsAFactorOnWallAndDampingAndNoiseLowersRobustnes
   const double factor = hil::FirstCrossing(
                             [&](double gain) {
                               OverlayLoopParams more = truth;
-                              // only the damping along the axis
+                              // change only the damping along the axis
                               more.law.damping_Ns_per_m.z() *= gain;
                               more.wall.stiffness_N_per_m *= gain;
                               return OverlayLoop(more).IsStable();

@@ -49,8 +49,8 @@ TEST(OverlayLoop, SimulatedArmTurnsUnstableAtTheMatrixsStiffestWall) {
   }
 }
 
-// The arm's controller doesn't know the hand's mass, so its joint damping must not include it. Otherwise a
-// heavy hand would seem to allow walls that are 7 % stiffer.
+// The arm's controller doesn't know the hand's mass, so its joint damping must not include it. Otherwise
+// walls that are 7 % too stiff would seem stable with a heavy hand.
 TEST(OverlayLoop, AHeavyHandAddsNothingToTheArmsOwnDamping) {
   OverlayLoopParams loop = ImpedanceCellLoop(true);
   loop.law.damping_Ns_per_m.setConstant(200.0);

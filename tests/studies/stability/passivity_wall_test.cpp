@@ -1,5 +1,5 @@
-// The passivity controller at a wall whose force is 5 ms old: softer and stiffer than the stability limit,
-// simulated with the shipped law, arm and stabilisers.
+// The passivity controller at walls whose force is 5 ms old. One wall is softer and one stiffer than the
+// stability limit. The simulation uses the shipped law, arm and stabilisers.
 
 #include <cmath>
 #include <deque>
@@ -15,8 +15,8 @@
 namespace osteon::studies {
 namespace {
 
-// The loop of a light hand, whose stiffest stable wall is 2.9 kN/m (3.3 in the design, with its other
-// acceleration).
+// The loop of a light hand. Its stiffest stable wall is 2.9 kN/m (docs/theory/stabilisers.md). A prototype,
+// which computed the hand's acceleration differently, had 3.3 kN/m.
 hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
   hil::AdmittanceLoopParams loop;
   loop.hand = {"light", 100.0, 4.0, 0.3};
@@ -28,13 +28,13 @@ hil::AdmittanceLoopParams OldWall(double stiffness_N_per_m) {
 
 /// Figures of a run at the wall.
 struct Ripple {
-  double rms_N{0.0};   ///< of the wall's force about its mean, in the run's second half
-  double peak_N{0.0};  ///< of the wall's force, over the whole run
+  double rms_N{0.0};   ///< RMS of the wall's force about its mean, in the run's second half
+  double peak_N{0.0};  ///< largest force of the wall, over the whole run
   int acted{0};        ///< ticks in which the controller acted
 };
 
-// Presses the tool with 40 N onto the wall from 2 mm above, for 4 s. acts: with the passivity controller. The
-// wall's force belongs to the pose 5 ms before.
+// Presses the tool with 40 N onto the wall for 4 s, from 2 mm above the wall. The wall's force is that of the
+// pose 5 ms before. @param acts  whether the passivity controller acts
 Ripple Press(const hil::AdmittanceLoopParams& p, bool acts) {
   constexpr double kPress_N = 40.0;
   const double T = p.period_s;

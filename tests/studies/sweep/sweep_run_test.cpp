@@ -55,8 +55,8 @@ TEST_F(Sweep, HasEachCombinationWithEachSeedOnce) {
     EXPECT_TRUE(seen.contains(value)) << value;
 }
 
-// Random draws depend on their key and the seed only: all combinations are compared on equal draws, also
-// after a parameter is added.
+// Random draws depend only on their key and the seed. All combinations are therefore compared with equal
+// draws, even after a parameter is added.
 TEST_F(Sweep, ADrawDependsOnlyOnItsKeyAndTheSeed) {
   const auto one = LoadSweepOf("  - {key: u, takes: uniform 2 to 4}\n", 8);
   const auto more = LoadSweepOf("  - {key: a, takes: \"1, 2\"}\n  - {key: u, takes: uniform 2 to 4}\n", 8);

@@ -36,7 +36,8 @@ HandleBenchParams BenchParams(hil::ArmLevel level) {
 }
 
 // Oracle: the law's response from force to position by its z-transform, v+ = (v + (T/m) F) / (1 + (T/m) b),
-// x+ = x + T v+. The force is `delay` ticks old, and a kinematic arm follows a tick later.
+// x+ = x + T v+. The force F is `delay` ticks old, and a kinematic arm follows one tick later. m, b: mass and
+// drag of the virtual tool; T: the tick.
 Complex LawTravel(double m, double b, int delay, double hz) {
   const Complex z = std::exp(Complex(0.0, 2.0 * std::numbers::pi * hz * kTick_s));
   const Complex v = (kTick_s / m) / ((1.0 + kTick_s / m * b) - 1.0 / z);
@@ -50,7 +51,7 @@ Complex ImpedanceOf(const Complex& travel_per_force, double hz) {
 }
 
 // Oracle: the response of the servo w^2 / (s^2 + 2 z w s + w^2) under a held command, integrated in Euler
-// steps of 50 ns, independent of the arm's closed form.
+// steps of 50 ns, independently of the arm's closed form.
 Complex ServoLag(double bandwidth_hz, double damping, int dead, double hz) {
   const double w = 2.0 * std::numbers::pi * bandwidth_hz;
   Eigen::Matrix2d A;
@@ -71,7 +72,7 @@ TEST(HandleBench, AnArmWithoutLagFeelsLikeTheLaw) {
     const std::vector<HandlePoint> points = SweepFree(params, {.axis = 2, .frequencies_hz = {hz}});
     const Complex expected = ImpedanceOf(LawTravel(3.0, 20.0, 1, hz), hz);
     EXPECT_FALSE(points[0].fault);
-    // the joints' motion is not quite straight: about 1e-3 at 5 mm
+    // a path that is straight in the joints is slightly curved at the tool: about 1e-3 at 5 mm
     EXPECT_NEAR(std::abs(points[0].impedance / expected - 1.0), 0.0, 5e-3) << hz;
   }
 }
@@ -85,8 +86,8 @@ TEST(HandleBench, TheArmsLagIsFeltAsMassThatGrowsWithTheDrag) {
       const Complex expected = ImpedanceOf(LawTravel(3.0, drag, 1, hz) * ServoLag(15.0, 1.0, 3, hz), hz);
       EXPECT_NEAR(std::abs(points[0].impedance / expected - 1.0), 0.0, 0.01) << drag << " at " << hz;
     }
-    // below the lag's corner frequency, 1 / G = 1 + tau s: the felt mass is m + b tau, the felt drag b - m
-    // w^2 tau
+    // below its corner frequency, the arm's response G with the lag tau is 1 / G = 1 + tau s. The felt mass
+    // is then m + b tau, the felt drag b - m w^2 tau
     const HandleFit fit = FitMassAndDrag(SweepFree(params, {.axis = 0, .frequencies_hz = {0.1, 0.2}}), 2.0);
     EXPECT_NEAR(fit.mass, 3.0 + drag * kLag_s, 0.1 * drag * kLag_s) << drag;
     EXPECT_NEAR(fit.drag, drag, 0.02 * drag);
@@ -108,7 +109,7 @@ TEST(HandleBench, AWallIsFeltWithItsOwnStiffness) {
   const double w = 2.0 * std::numbers::pi * 0.2;
   const Complex stiffness = point.impedance * Complex(0.0, w);
   EXPECT_NEAR(stiffness.real(), 20e3, 0.01 * 20e3);
-  // the arm's lag adds damping to that of law and coupling
+  // the arm's lag adds damping to the damping of law and coupling
   EXPECT_NEAR(stiffness.imag(), w * (20.0 + 100.0 + 20e3 * kLag_s), 0.1 * w * 20e3 * kLag_s);
 }
 
@@ -116,7 +117,7 @@ TEST(HandleBench, AFitGivesBackMassAndDrag) {
   std::vector<HandlePoint> points;
   for (const double hz : {0.1, 0.3, 1.0, 3.0, 20.0})
     points.push_back({.frequency_hz = hz, .impedance = {17.0, 2.0 * std::numbers::pi * hz * 4.0}});
-  points.back().impedance = 1e6;  // beyond max_hz
+  points.back().impedance = 1e6;  // this point is beyond max_hz, so the fit must ignore it
   const HandleFit fit = FitMassAndDrag(points, 5.0);
   EXPECT_NEAR(fit.mass, 4.0, 1e-12);
   EXPECT_NEAR(fit.drag, 17.0, 1e-12);

@@ -52,7 +52,7 @@ TEST(ToolInertiaLoad, TheControllerRecoversTheHandsWrench) {
   EXPECT_LT((without.t + inertia.t - hand.t).norm(), 1e-12);
 }
 
-// A bench whose sensor feels the tool's inertia; the loop compensates this share.
+// A bench whose sensor measures the tool's inertial force too; the loop compensates this share of it.
 HandleBenchParams Bench(double share) {
   HandleBenchParams params;
   params.arm.level = hil::ArmLevel::kServo;
@@ -66,7 +66,7 @@ HandleBenchParams Bench(double share) {
   params.servo.workspace.plane_offset_m = -3.0;
   params.servo.max_tracking_error_m = 0.1;
   params.servo.spindle_rad_per_s = 0.0;
-  // no lever: a push along an axis moves a mass and turns nothing
+  // the tool's centre is at the apex, so that a push along an axis turns nothing
   params.servo.sensor = {.tool_mass_kg = 1.2, .tool_center_F_m = params.X_FT.translation()};
   params.servo.sensor.inertia_share = share;
   params.sensor_feels_inertia = true;

@@ -11,8 +11,8 @@
 
 namespace osteon::studies {
 
-/// What a perfect identification of an arm with the response `truth` would write for a cell: the response
-/// along z in 20 lines, a hand, a sensor and a link.
+/// The result that a perfect identification of an arm with the response `truth` would write for a cell: the
+/// response along z in 20 lines, a hand, a sensor and a link.
 inline config::IdentifiedCell IdentifiedOf(const config::CellConfig& cell, const ResponseModel& truth) {
   config::IdentifiedCell identified;
   identified.valid_for = {

@@ -50,7 +50,7 @@ TEST(TuneGuidance, ALateSensorIsRefused) {
 TEST(TuneGuidance, GainsAboveHalfOfTheStabilityLimitAreRefused) {
   const config::CellConfig cell = GuidedCell();
   control::GuidanceParams guidance = ShippedGuidance();
-  guidance.lateral.stiffness = 25e3;  // no hand is unstable yet, but some are below 50 N/mm, twice this
+  guidance.lateral.stiffness = 25e3;  // all hands are stable, but at twice this some are not
   const GuidanceMap map = MapGuidance(TuneTaskOf(cell), cell.servo.admittance, guidance, Never);
   EXPECT_TRUE(map.unstable.empty());
   EXPECT_LT(map.factor.value, 2.0);

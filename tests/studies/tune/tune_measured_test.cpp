@@ -116,7 +116,7 @@ TEST(TuneMeasured, WithoutAMeasuredArmTheVerdictNamesWhatIsAssumed) {
   overlay.recommended_N_per_m = task.wall_N_per_m;
   EXPECT_TRUE(says(Judge(overlay).reasons, "and no arm: dead time and springs are the cell's, assumed"));
 
-  // an arm without the response that it was fitted to
+  // an arm's model without the response to which it was fitted
   identified.arm = IdentifiedOf(cell, SlowArm()).arm;
   UseIdentified(identified, r.task);
   EXPECT_TRUE(
@@ -149,8 +149,8 @@ TEST(TuneMeasured, MarginsFollowTheResponseAndDecideTheVerdict) {
   EXPECT_NE(NyquistSvg(task, {1.7, 15.0}, {1.7, 60.0}, good).find("<svg"), std::string::npos);
 }
 
-// A structural resonance of 22 Hz that the encoders don't see: gains that are stable with the arm's model are
-// unstable.
+// The arm has a structural resonance of 22 Hz that the encoders don't measure. Gains that are stable with the
+// arm's model are unstable with it.
 TEST(TuneMeasured, WithAStructuralResonanceOnlyTheResponseDecides) {
   ResponseModel truth = SlowArm();
   truth.structure = {{.hz = 22.0, .damping_ratio = 0.03}};
@@ -163,8 +163,8 @@ TEST(TuneMeasured, WithAStructuralResonanceOnlyTheResponseDecides) {
   EXPECT_EQ(StandsAll(task, {2.4, 80.0}, hands, 1.0), StandsMeasured(task, {2.4, 80.0}, hands, 1.0));
 }
 
-// A hand's measured loop is three times as stiff and 30 ms later than hand and arm measured apart. The
-// measured loop must decide, and its margins must name the hand.
+// A hand's measured loop has three times the gain, and 30 ms more delay, than the hand and arm that were
+// measured separately. The measured loop must decide, and its margins must name the hand.
 TEST(TuneMeasured, AHandIsJudgedByItsMeasuredLoop) {
   const config::CellConfig cell = LoadDemoCell();
   const auto task_with = [&](double factor, double later_s) {

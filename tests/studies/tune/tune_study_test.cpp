@@ -33,8 +33,8 @@ TEST(TuneStudy, HandsReachTheGivenStiffness) {
   EXPECT_GT(HandsUpTo(10e3).size(), hands.size());
 }
 
-// With one hand, no delays and no wall, the least drag must be that of the stability tests: 28.4 and 124.7 N
-// s/m at 3 kg.
+// With one hand, no delays and no wall, the least drag must be that of admittance_stability_test.cpp: 28.4
+// and 124.7 N s/m at 3 kg.
 TEST(TuneStudy, LeastDragOfAFirmGripEqualsTheLoops) {
   TuneTask task = DemoTask();
   task.margin = 1.0;
@@ -98,7 +98,7 @@ TEST(TuneStudy, TheVibrationIndexCalmsHandsThatAreTooStiffForTheGains) {
     EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
     EXPECT_LT(c.run.half_s_N, 1.2 * c.calm_N) << c.hand.name;
   }
-  TuneTask still = task;  // no tremor is accepted
+  TuneTask still = task;  // with this task no tremor is accepted
   still.vibration.reference = {};
   for (const TuneCarried& c : CarryStiffHands(still, gains)) {
     EXPECT_EQ(c.calm_N, 0.5);

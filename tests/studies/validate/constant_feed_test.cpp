@@ -7,7 +7,7 @@
 
 #include "config/reading/load.h"
 
-// Drills at a constant feed, compared with the closed form of the law of the removal rate.
+// Drills at a constant feed. The results are compared with the closed form of the rate law.
 
 namespace osteon::studies {
 namespace {
@@ -26,7 +26,7 @@ ConstantFeedParams CorticalDrilling(double rpm) {
 TEST(ConstantFeed, TheWorkOfSpindleAndFeedIsTheMaterialsCuttingEnergy) {
   const ConstantFeedResult drilled = DrillAtConstantFeed(CorticalDrilling(1000));
   EXPECT_NEAR(drilled.removed_share, 1.0, 0.08) << "the drill removes what it sweeps";
-  // 1.3e9 J/m³ is the cutting energy; the feed's work per volume, thrust / area, is added
+  // 1.3e9 J/m³ is the cutting energy; the feed's work per volume, thrust / area, is added to it
   EXPECT_NEAR(drilled.energy_J_per_m3, 1.3e9 + drilled.thrust_N / (std::numbers::pi * 0.0016 * 0.0016),
               0.08e9);
 }
@@ -41,8 +41,8 @@ TEST(ConstantFeed, ThrustFollowsFromTheEnergyBalance) {
   EXPECT_NEAR(drilled.torque_Nm, 0.8 * drilled.thrust_N * 2.0 / 3.0 * 0.0016, 0.1 * drilled.torque_Nm);
 }
 
-// An edge's force grows linearly with the depth of cut, with an offset. From 2 to 10 um, the force grows by
-// (10 + 24.35) / (2 + 24.35) in cortical bone.
+// An edge's force grows linearly with the depth of cut, with an offset. From 2 to 10 um of depth, the force
+// in cortical bone must grow by the factor (10 + 24.35) / (2 + 24.35).
 TEST(ConstantFeed, ForceGrowsWithTheDepthOfCutByChipAndEdgeShares) {
   const auto thrust_N = [](double chip_m, bool edge_force) {
     ConstantFeedParams params = CorticalDrilling(1000);
@@ -64,7 +64,7 @@ TEST(ConstantFeed, ForceGrowsWithTheDepthOfCutByChipAndEdgeShares) {
 }
 
 // A drill's axial stiffness is EA / L. At a constant feed its thrust must settle at that of a rigid drill,
-// with the point behind by the thrust over this stiffness.
+// and the drill's point must lag by the thrust over this stiffness.
 TEST(ConstantFeed, ACompliantDrillSettlesAtTheSameThrust) {
   const ConstantFeedResult rigid = DrillAtConstantFeed(CorticalDrilling(1000));
   ConstantFeedParams params = CorticalDrilling(1000);

@@ -74,8 +74,8 @@ TEST(FittedConstants, ARowIsFittedIfOneOfItsConstantsWasFittedToIt) {
   EXPECT_EQ(row.verdict(), "misses");
 }
 
-// A ratio of thrusts must not change if cutting energy and edge force are scaled together, nor with the force
-// ratio: only the edge's share decides.
+// The ratio of the thrusts at two spindle speeds must not change if cutting energy and edge force are scaled
+// together, nor if the force ratio changes. It depends only on the edge's share of the energy.
 TEST(FittedConstants, TheThrustRatioOverSpeedDependsOnlyOnTheEdgesShare) {
   const auto ratio = [](double energy_factor, double ratio_factor) {
     simulation::Material material = config::LoadMaterials(kMaterials / "bone.yaml")[1];

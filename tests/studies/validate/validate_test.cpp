@@ -103,8 +103,8 @@ TEST(Validate, CountsMissesAndLeavesCalibrationOut) {
   EXPECT_EQ(report::TextOutside(plot), "");
 }
 
-// Each row also shows its variants (a tool that bends, bone on a mount) with their own verdicts, or why there
-// is no result.
+// Each row also shows its variants (a tool that bends, bone on a mount) with their own verdicts, or the
+// reason why there is no result.
 TEST(Validate, ShowsEachRowWithAndWithoutCompliantParts) {
   std::vector<ValidationRow> rows{RowOf("3-high", 61.0), RowOf("8-level", 198.0)};
   rows[0].simulated.compliance = {{.part = CompliantPart::kTool, .simulated = 60.5},
@@ -137,8 +137,8 @@ TEST(Validate, ShowsEachRowWithAndWithoutCompliantParts) {
   EXPECT_EQ(report::MarkupError(page), "");
 }
 
-// Every row of cells must also run with its tool bending, except for hand-held drill and bur with its bone on
-// a mount, and the demo's also with cartilage that yields.
+// Every row that runs cells must also run with a tool that bends. Except for the hand-held drill and bur, it
+// must also run with its bone on a mount. The demo's rows must also run with cartilage that yields.
 TEST(Validate, RowsOfCellsAreAlsoRunWithCompliantParts) {
   for (const ValidationItem& item : ValidationItems()) {
     if (!item.cells) continue;
