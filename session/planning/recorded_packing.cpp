@@ -11,7 +11,7 @@
 namespace osteon::session {
 namespace {
 
-// Bounds of the numbers that are accepted from a recording; no plan exceeds them.
+// Bounds of the lengths of a packing that are accepted from a recording; no plan exceeds them.
 constexpr double kFinest_m = 0.01e-3, kCoarsest_m = 40e-3, kDeepest_m = 1.0, kMaxDemand_m = 5e-3;
 constexpr std::uint32_t kMaxChildren = 1000;
 

@@ -18,8 +18,8 @@ class RunQueueWatch {
 
   /// Restarts the count. Takes about 2 us per thread.
   void Restart();
-  /// Time since Restart, summed over the threads [us]. Without a kernel's count: 0, or infinity after an
-  /// involuntary switch.
+  /// Time since Restart, summed over the threads [us]. If the kernel does not count: infinity if an
+  /// involuntary context switch has happened since Restart, else 0.
   [[nodiscard]] double Waited_us() const;
 
  private:

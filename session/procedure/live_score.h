@@ -30,11 +30,12 @@ struct ScoreSoFar {
 };
 
 /// Scores the items that are known now (procedure::ScoreOf), and leaves three kinds open: items that the last
-/// tool decides, until it has a pass that counts; items of the whole session's recordings; values that could
-/// not be measured. So the total is never above that of `osteon assess` for the same passes and rubric.
-/// @param passes  of the session, including undone ones
-/// @param assessment  of the state after them; its process figures are not used
-/// @param walls_known  false: the walls that some pass left are not known, and a breach is assumed
+/// tool decides, until that tool has a pass that counts; items that need all recordings of the session; items
+/// whose values could not be measured. So the total is never above that of `osteon assess` for the same
+/// passes and rubric.
+/// @param passes  all passes of the session, including undone ones
+/// @param assessment  of the bone after these passes; its process figures are not used
+/// @param walls_known  false: the walls beside some pass are not known, and a breach is assumed
 [[nodiscard]] ScoreSoFar ScoreOfNow(const procedure::SurgicalPlan& plan, const procedure::Rubric& rubric,
                                     std::span<const SessionPass> passes,
                                     const procedure::Assessment& assessment, bool walls_known);
@@ -43,10 +44,10 @@ struct ScoreSoFar {
 struct LiveScoreParams {
   procedure::SurgicalPlan plan;
   std::optional<procedure::Rubric> rubric{};  ///< absent: no score is given
-  std::string without_rubric{};               ///< why it is absent
-  const simulation::Bone* bone{nullptr};      ///< uncut; outlives this
-  const simulation::Solid* solid{nullptr};    ///< null: walls are not watched
-  simulation::SceneEventParams walls{};       ///< limits of the plan's scene, by which walls are watched
+  std::string without_rubric{};               ///< why the rubric is absent
+  const simulation::Bone* bone{nullptr};      ///< the uncut bone; must outlive this object
+  const simulation::Solid* solid{nullptr};    ///< the bone's solid; null: walls are not watched
+  simulation::SceneEventParams walls{};       ///< the plan's scene limits for the watched walls
   Pose X_WG{Pose::Identity()};
 };
 
@@ -65,7 +66,7 @@ class LiveScore {
   /// Adds a frame to the open pass.
   /// @param tool  index in the plan  @param begins  the frame is the first one of a pass
   void AddFrame(int tool, const simulation::ContactModel& model, double spindle_rad_per_s, bool begins);
-  /// Ends the open pass. @param number  of its SessionPass
+  /// Ends the open pass. @param number  SessionPass::number of this pass
   void EndPass(int number);
   /// Sets the bone that is to be scored. @param stamp  of the newest frame  @param guided  a part was guided
   /// @returns whether an Update is due: the input has changed, and there is a rubric
@@ -83,7 +84,7 @@ class LiveScore {
   // The cut of a pass, as its score needs it.
   struct Trace {
     procedure::ReamedAxis axis;
-    std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed
+    std::vector<Vector3> heads_m;  // centres of the head where bone was removed, at least kWallStep_m apart
   };
   // A state of the session that is to be scored.
   struct Input {
@@ -98,15 +99,15 @@ class LiveScore {
   [[nodiscard]] ScoreSoFar Measure(const Input& input) const;
 
   const LiveScoreParams params_;
-  CutDetector cut_;                                     // of the frames' thread, as the next two
-  Trace open_;                                          // of the open pass
-  std::map<int, std::shared_ptr<const Trace>> traces_;  // of the ended passes, by their numbers
+  CutDetector cut_;                                     // the frames' thread alone uses it and the next two
+  Trace open_;                                          // trace of the open pass
+  std::map<int, std::shared_ptr<const Trace>> traces_;  // traces of the ended passes, by pass number
 
   std::mutex measuring_;                   // one Update at a time
-  mutable rt::InheritingMutex mutex_;      // of what follows; the frames' thread takes it, and pages' threads
-  std::shared_ptr<const Input> newest_;    // to be scored
+  mutable rt::InheritingMutex mutex_;      // guards the members below, for the frames' and pages' threads
+  std::shared_ptr<const Input> newest_;    // the newest input, which is to be scored
   std::shared_ptr<const Input> measured_;  // the last input that was scored
-  ScoreSoFar score_;                       // of measured_
+  ScoreSoFar score_;                       // score of measured_
 };
 
 }  // namespace osteon::session

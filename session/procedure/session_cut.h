@@ -19,8 +19,8 @@
 
 namespace osteon::session {
 
-/// Tool and path of each pass of a session that counts. The path is that of the simulated tool, in the bone's
-/// frame. Passes that were taken back are left out.
+/// Tool and path of each pass of a session that was not taken back. The path is that of the simulated tool,
+/// in the bone's frame.
 class SessionCut {
  public:
   /// @param tools  one for each of session.diameters_mm  @param X_WG  the bone in the world
@@ -52,22 +52,24 @@ class SessionCut {
 /// Finds the session to which a recording belongs, by the session.json beside it. Nothing if there is no such
 /// file, or it does not name the recording.
 [[nodiscard]] std::optional<SessionFile> FindSessionOf(const std::filesystem::path& recording);
-/// Returns the session as it was at a recording's end: with segments and passes up to the recording's last.
+/// Returns the session as it was at a recording's end: with the segments and passes up to the last ones of
+/// the recording.
 [[nodiscard]] SessionFile SessionUpTo(SessionFile session, const std::string& recording);
 
-/// Says whether a frame counts. @param recording  name of the frame's recording
+/// Decides whether a frame is included. @param recording  name of the frame's recording
 using CountsFrame = std::function<bool(const std::string& recording, const simulation::FrameRecord& frame)>;
 
 /// Reads the frames of all recordings of a session. The error names the file.
-/// @param counts  empty: each frame counts
+/// @param counts  decides which frames are included; empty: all
 [[nodiscard]] tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path& folder,
                                                                    const SessionFile& session,
                                                                    std::vector<simulation::Tool> tools,
                                                                    const Pose& X_WG,
                                                                    const CountsFrame& counts = {});
 
-/// Reads the passes of the session's recordings before this one. Nothing if this one is the first, or the
-/// session does not name it. The error names the file. @param recording  name of its file in the folder
+/// Reads the passes of the session's recordings before this one. Returns nothing if this recording is the
+/// first, or the session does not name it. The error names the file. @param recording  name of its file in
+/// the folder
 [[nodiscard]] tl::expected<std::optional<SessionCut>, std::string> ReadCutBefore(
     const std::filesystem::path& folder, const SessionFile& session, const std::string& recording,
     std::vector<simulation::Tool> tools, const Pose& X_WG);

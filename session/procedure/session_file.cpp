@@ -111,7 +111,7 @@ std::string ReadName(const json& object, const char* key) {
 
 // Reads the time at which the session began; empty: there is none.
 std::string ReadBegan(const json& all) {
-  // a 0 stands for any digit
+  // each 0 stands for any digit
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto at = all.find("began");
   if (at == all.end() || at->is_null()) return "";
@@ -348,8 +348,12 @@ tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSessionFileName;
   if (std::error_code error; !std::filesystem::is_regular_file(path, error) || !std::ifstream(path)) {
-    const bool is_file = std::filesystem::is_regular_file(folder, error);  // a recording of the session
-    const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // of a demo
+    const bool is_file = std::filesystem::is_regular_file(folder, error);  // the user named a recording, not
+                                                                           // the folder
+    const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // a demo's
+                                                                                              // session is in
+                                                                                              // this
+                                                                                              // subfolder
     const bool is_meant = std::filesystem::is_regular_file(meant / kSessionFileName, error);
     return tl::make_unexpected(
         (is_file ? folder.string() + ": found a file" : path.string() + ": found no readable file") +

@@ -125,7 +125,8 @@ class OutputQueue {
       }
       if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) base::RequestInterrupt(SIGPIPE);
       lock.lock();
-      waiting_ -= std::min(waiting_, written);  // the note about dropped text was not counted
+      waiting_ -= std::min(waiting_, written);  // `written` includes the note about dropped text, waiting_
+                                                // does not
     }
   }
 
@@ -135,7 +136,7 @@ class OutputQueue {
   std::vector<Part> parts_;
   std::size_t waiting_{0}, dropped_{0};  // bytes: not yet written; dropped from stderr
   bool end_{false};
-  std::thread thread_;  // last: it uses the other members
+  std::thread thread_;  // declared last: it uses the other members
 };
 
 namespace {
@@ -170,7 +171,8 @@ void InstallOutput() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(
-          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // takes its number
+          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the closed
+                                                                                 // descriptor's number
   if (std::FILE* out = Stream(g_out, isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF)) stdout = out;
   if (std::FILE* err = Stream(g_err, _IONBF)) stderr = err;
 }

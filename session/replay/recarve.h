@@ -27,7 +27,8 @@ class Recarve {
   /// is left out and counted.
   void Add(const simulation::FrameRecord& frame);
 
-  /// Keeps a frame until it is due. In wall time a frame may stand in the file before the tick of its pose.
+  /// Keeps a frame until it is due. In a recording of wall time, a frame may come before the tick of its
+  /// pose.
   void Wait(const simulation::FrameRecord& frame) { waiting_.push_back(frame); }
   /// Removes and returns the next waiting frame if it is due: its tick was added, or cannot follow any more.
   /// The caller passes the frame to Add.
@@ -50,11 +51,11 @@ class Recarve {
   };
 
   simulation::CuttingEngine* engine_;
-  bool measured_;  // while the arm renders, its measured pose counts instead of the commanded one
+  bool measured_;  // frames follow the measured pose while the arm renders (impedance law)
   double dt_limit_s_;
   std::array<Place, kKept> places_{};  // ring buffer of the last ticks
   std::size_t next_{0};                // index in places_ for the next tick
-  rt::Nanoseconds last_stamp_{0};      // of the last frame's pose
+  rt::Nanoseconds last_stamp_{0};      // stamp of the last frame's pose
   rt::Nanoseconds newest_{0};          // newest stamp in places_
   std::deque<simulation::FrameRecord> waiting_;
   std::uint64_t frames_{0}, left_out_{0};

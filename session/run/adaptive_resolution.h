@@ -19,7 +19,7 @@ namespace osteon::session {
 struct AdaptiveResolutionParams {
   double rate_hz{250.0};     ///< frame rate that the median frame must keep
   std::size_t window{200};   ///< number of frames in contact of which the median is taken
-  double within_ratio{0.9};  ///< part of the permitted frame time that a coarser packing may take
+  double within_ratio{0.9};  ///< largest ratio of a coarser packing's frame time to the permitted one
   EngineChoice engine;       ///< engine for the coarser packing
   /// Make the new packing in the calling thread, between two frames: for virtual time.
   bool at_once{false};
@@ -35,9 +35,9 @@ struct Rezoned {
 
 /// Watches the frames of a planned run. If they keep taking longer than the rate allows, the zones are
 /// coarsened: the bone is packed again on a wider lattice of the same kind, carved along the tool's path so
-/// far, and exchanged for the old packing between two frames. Stiffness, law and tool stay; volume, mass and
-/// work continue. Earlier cuts were made with the earlier error; from here on the coarser error holds, for
-/// the existing face as well.
+/// far, and exchanged for the old packing between two frames. Stiffness, law and tool stay; the totals of
+/// volume, mass and work continue. From then on the coarser packing's larger error applies, also to the
+/// surface that was cut before.
 ///
 /// Only the simulation's thread calls it; a packing is made in a thread of its own.
 class AdaptiveResolution {
