@@ -56,14 +56,16 @@ class AdaptiveResolution {
     std::unique_ptr<simulation::CuttingEngine> engine;
     Rezoned rezoned;
   };
-  /// Returns the engine that replaces `now`, once it is ready and carved up to the last seen frame; nothing
-  /// before. Does not wait.
+  /// Returns the engine that replaces `now` once that engine is ready and carved up to the last observed
+  /// frame; before that, returns nothing. Does not wait.
   [[nodiscard]] std::optional<Made> TakeReplacement(const simulation::CuttingEngine& now);
 
-  /// Ends the work after the last frame. Zones still in the making are abandoned, with a notice.
+  /// Ends the work after the last frame. If coarser zones are still being made, they are abandoned, with a
+  /// notice.
   void End();
 
-  /// Returns the notice since the last call: coarser zones are being made, or why they can't. Empty: none.
+  /// Returns the notice since the last call: coarser zones are being made, or why they cannot be made. Empty:
+  /// none.
   [[nodiscard]] std::string TakeNotice();
 
  private:
@@ -81,27 +83,29 @@ class AdaptiveResolution {
   const CellSetup& setup_;
   AdaptiveResolutionParams params_;
   Pose X_GW_;
-  double lever_m_;                  ///< of the tool (simulation::ToolLever)
-  simulation::PackingLevel level_;  ///< of the present packing
-  std::vector<double> times_us_;    ///< of frames in contact; a ring buffer
+  double lever_m_;                  ///< lever of the tool (simulation::ToolLever)
+  simulation::PackingLevel level_;  ///< level of the present packing
+  std::vector<double> times_us_;    ///< durations of frames in contact; a ring buffer
   std::size_t next_{0};             ///< index in times_us_ for the next frame, modulo the window
-  bool ended_{false};               ///< no coarser packing would help or is possible
+  bool ended_{false};               ///< no coarser packing will follow: none would help or is possible, or
+                                    ///< the run has ended
 
   std::mutex mutex_;  ///< guards the trail
   simulation::ProxyTrail trail_;
   std::unique_ptr<Making> making_;
   std::thread thread_;
-  std::string notice_;  ///< for TakeNotice
+  std::string notice_;  ///< notice for TakeNotice
 };
 
-/// Makes the adaptive resolution of a cell with a timed plan; null for any other, and if the plan has given
-/// up the rate: then no coarser packing reaches it.
+/// Makes the adaptive resolution of a cell with a timed plan; null for any other cell, and if the plan does
+/// not reach the demanded rate, because then no coarser packing reaches it either.
 [[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
                                                                          const EngineChoice& engine);
 
 /// Makes the trail of a planned cell's proxy, fine enough to carve a coarser packing along it.
 [[nodiscard]] simulation::ProxyTrail MakeProxyTrail(const CellSetup& setup);
-/// Packs a planned cell's bone on a coarser level. @throws std::invalid_argument as the packings do
+/// Packs a planned cell's bone on a coarser level. @throws std::invalid_argument if the level cannot be
+/// packed
 [[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
 /// The two engines for a coarser bone: `carver` carves along a trail, with G as its world frame; `engine`
 /// goes on with the cut.

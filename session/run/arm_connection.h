@@ -13,11 +13,12 @@
 #include "io/fri/fri_link.h"
 #include "io/rsi/rsi_link.h"
 
-// The connection to a cell's arm by the protocol that its file chooses.
+// The connection to a cell's arm by the protocol that the cell's file names.
 
 namespace osteon::session {
 
-/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
+/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Adds a warning if a lost answer would make the
+/// arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
 /// Whether the protocol can ask the arm's program to end the session. If not, the program has to notice by
@@ -61,7 +62,7 @@ class ArmConnection {
   [[nodiscard]] control::ArmLink& link();
 
   /// Asks the arm's program to end the session, if the protocol can, and waits for that end, at most
-  /// kMaxEndDelay. Without this, the arm misses its answers and stops with a fault of its own.
+  /// kMaxEndDelay. Without this call, the arm would miss the answers and stop with a fault of its own.
   void EndSession();
 
   /// Says what keeps the arm from being commanded; empty if nothing does.

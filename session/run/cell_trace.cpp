@@ -10,7 +10,7 @@
 namespace osteon::session {
 namespace {
 
-// A tool that is faster moves.
+// A tool that is faster than this counts as moving.
 constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
 
 constexpr const char* kHeader =

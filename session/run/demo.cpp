@@ -34,9 +34,9 @@ namespace {
 
 // Default duration of a demo with a plan [s].
 constexpr double kSecondsPerReamer = 15.0, kNoviceSecondsPerReamer = 60.0, kSecondsPerBurr = 60.0;
-constexpr double kSecondsOfLastPush = 20.0;  // in addition, while an expert dwells with the last reamer
+constexpr double kSecondsOfLastPush = 20.0;  // additional time for an expert's longer push of the last reamer
 
-// Folder of a session without a given name: in `out`, the first of session, session_2, … that does not exist.
+// Folder of a session without a given name: the first of session, session_2, … that does not exist in `out`.
 std::filesystem::path UnusedSessionFolder(const std::filesystem::path& out) {
   std::error_code error;
   for (int number = 1;; ++number) {
@@ -103,10 +103,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
                    .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // empty: the counts of `result` are shown in any case
+  if (!run) run = RunAccumulator(setup);  // an empty one: the counts of `result` can still be shown
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
-  if (auto pages = stops.Finish())  // before the report, which links to them
+  if (auto pages = stops.Finish())  // written before the report, which links to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
@@ -174,7 +174,7 @@ int RunDemo(const DemoOptions& asked) {
   if (options.frame_ms && !options.virtual_time)
     return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
                                     *options.frame_ms));
-  // before any other thread exists
+  // do this before any other thread exists, because threads inherit the CPUs
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
   if (const std::string wrong = CheckOutputs(options); !wrong.empty()) return Fail("demo", wrong);
@@ -218,8 +218,8 @@ int RunDemo(const DemoOptions& asked) {
     if (!made) return Fail("demo", made.error());
     session = std::move(*made);
   }
-  // The packing must stay in two cases: the engine of another process has a bone of its own, and a session's
-  // saved states fit only the packing that they were made with.
+  // No adaptive resolution in two cases: an engine in another process keeps its own copy of the bone, and a
+  // session's saved states fit only the packing that they were made with.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
   PrintIdentified(setup->config, "demo");
@@ -246,10 +246,10 @@ int RunDemo(const DemoOptions& asked) {
                  base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
-  // a run in virtual time is over in a moment: it has a page only if a port is demanded
+  // a run in virtual time takes only a moment, so it has a page only if a port is demanded
   console.on &= !options.virtual_time || console.only_this_port;
   live.Open(console, options.foxglove);
-  std::optional<LiveStops> stops;  // a run of virtual time is over in a moment
+  std::optional<LiveStops> stops;  // none in virtual time, which takes only a moment
   if (!options.virtual_time)
     stops.emplace(LiveStopsParams{.cell = setup->config,
                                   .recording = recording,

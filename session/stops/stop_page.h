@@ -15,9 +15,9 @@ namespace osteon::session {
 struct StopFaultRow {
   safety::Fault fault{safety::Fault::kNone};
   std::string name;
-  std::string seen;      ///< the cause, with the measured value and its limit if they are known
+  std::string seen;      ///< what was measured: the cause, with value and limit if they are known
   std::string reaction;  ///< what the cell does
-  std::string clearing;  ///< how to go on
+  std::string clearing;  ///< how to clear the fault and go on
 };
 
 /// The contents of the page of a stop, a pause or a run's end. Views must outlive the call.
