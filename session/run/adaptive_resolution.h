@@ -97,8 +97,8 @@ class AdaptiveResolution {
   std::string notice_;  ///< notice for TakeNotice
 };
 
-/// Makes the adaptive resolution of a cell with a timed plan; null for any other cell, and if the plan does
-/// not reach the demanded rate, because then no coarser packing reaches it either.
+/// Makes the adaptive resolution of a cell with a timed plan; null for any other cell, and if the plan
+/// already fell short of the demanded rate, because then no coarser packing reaches it.
 [[nodiscard]] std::unique_ptr<AdaptiveResolution> MakeAdaptiveResolution(const CellSetup& setup,
                                                                          const EngineChoice& engine);
 

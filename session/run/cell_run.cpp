@@ -58,7 +58,7 @@ struct CellConnections {
 // Opens the connections to arm and devices; the cell's process is started later.
 tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
   CellConnections connections;
-  // with a guard, the messages come from the guard, so any sender is accepted
+  // with a guard, the messages come from the guard: accept the first sender instead of the arm's address
   auto arm = ArmConnection::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
   connections.arm = std::move(*arm);

@@ -103,7 +103,8 @@ class LiveViews {
   [[nodiscard]] bool IsWatched() const;  // whether a page or a viewer is connected
   // Passes a request on if the cell's state allows it; the answer says why it is refused.
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
-  // Pauses the cell after the operator's page has gone, if the cell's configuration asks for that.
+  // Called when the operator's page has gone. Pauses the cell if its configuration says so
+  // (pause_when_operator_leaves).
   void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 

@@ -27,7 +27,8 @@ struct StopPageInput {
   std::string where;    ///< sentences about the recording, the time, and the part shown
   std::string ticks_file{};    ///< file beside the page with the table of all ticks; empty: none
   std::string view_command{};  ///< command that shows the recording at the stop; empty: not given
-  std::string console_url{};   ///< address of the page of the cell, which still runs; empty: it does not run
+  std::string console_url{};   ///< address of the page of the cell while it still runs; empty: it no longer
+                               ///< runs
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};

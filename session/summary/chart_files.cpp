@@ -26,7 +26,7 @@ std::string ProcessorName() {
 }
 
 // Whether all cells of a column, except its head, begin like numbers. Such a column is aligned to the right
-// and does not wrap. The first column never counts as numbers.
+// and does not wrap. False for the first column.
 bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (column >= rows[i].size() || rows[i][column].empty()) continue;

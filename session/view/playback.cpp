@@ -11,7 +11,8 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // time between two steps of the playback
-constexpr double kAtOnce_s = 0.3;               // a Seek first shows only this time before the wanted one
+constexpr double kAtOnce_s = 0.3;               // a Seek first shows only this much time before the wanted
+                                                // time
 
 }  // namespace
 
@@ -92,7 +93,7 @@ void Playback::Run() {
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
-    // at most 0.1 s: after a stall the playback does not catch up
+    // at most 0.1 s, so that the playback does not catch up after a stall
     const double elapsed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
     if (!jump && speed == 0.0) continue;
@@ -108,16 +109,18 @@ void Playback::Run() {
   }
 }
 
-// Shows the new time at once, because dragging the time line asks for many times in a row; then the whole
-// time that the charts show.
+// Shows first the last kAtOnce_s before the new time, which is quick: dragging the time line requests many
+// times in a row. Then shows kBefore_s, the whole time span of the charts.
 Playback::PassedOrError Playback::JumpTo(double at_s) {
   PassedOrError place = Show(at_s, kAtOnce_s, false);
   if (!place || at_s <= kAtOnce_s) return place;
   {
     const std::lock_guard lock(mutex_);
-    if (!seeks_) state_.at_s = std::min(at_s, state_.duration_s);  // the bone need not wait for the charts
+    if (!seeks_)
+      state_.at_s = std::min(at_s, state_.duration_s);  // set now, so that the bone need not wait
+                                                        // for the charts
   }
-  // if a chunk before the new time is damaged, the charts lack their past, but the new time is shown
+  // if an earlier chunk is damaged, Show fails: then show only the time around at_s, without the charts' past
   if (Show(at_s, kBefore_s, true)) return place;
   return Show(at_s, kAtOnce_s, false);
 }
