@@ -65,8 +65,7 @@ struct ProcedureParams {
   bool wall_time{false};                        ///< states are written on a thread of their own
   std::optional<procedure::Rubric> rubric{};    ///< for the score on the console; absent: no score is shown
   std::string without_rubric{};                 ///< why the rubric is absent
-  std::optional<simulation::SceneEventParams> plan_events{};  ///< limits of the plan's scene; absent:
-                                                              ///< `events` is used
+  std::optional<simulation::SceneEventParams> plan_events{};  ///< of the plan's scene; absent: `events`
 };
 
 /// The session of a procedure while its cell runs: passes, saved states, undo, change of tool.

@@ -348,12 +348,8 @@ tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSessionFileName;
   if (std::error_code error; !std::filesystem::is_regular_file(path, error) || !std::ifstream(path)) {
-    const bool is_file = std::filesystem::is_regular_file(folder, error);  // the user named a recording, not
-                                                                           // the folder
-    const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // a demo's
-                                                                                              // session is in
-                                                                                              // this
-                                                                                              // subfolder
+    const bool is_file = std::filesystem::is_regular_file(folder, error);  // the user gave a recording
+    const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // of a demo
     const bool is_meant = std::filesystem::is_regular_file(meant / kSessionFileName, error);
     return tl::make_unexpected(
         (is_file ? folder.string() + ": found a file" : path.string() + ": found no readable file") +

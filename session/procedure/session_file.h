@@ -34,8 +34,7 @@ struct SessionSegment {
   rt::Nanoseconds end{0};
   std::string begin_state;       ///< file of the carved state at its beginning; empty: the uncut bone
   std::string begin_state_hash;  ///< HashState of that state, 16 hexadecimal digits
-  std::string end_state;         ///< file of the state at its end; empty: no pass was finished, the state is
-                                 ///< begin_state
+  std::string end_state;         ///< file of the state at its end; empty: begin_state, since no pass ended
   std::string end_state_hash;    ///< empty as long as the segment is open
   double guidance_gain{0.0};     ///< factor on the plan's guidance gains; 0: without guidance
 };

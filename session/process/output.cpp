@@ -125,8 +125,7 @@ class OutputQueue {
       }
       if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) base::RequestInterrupt(SIGPIPE);
       lock.lock();
-      waiting_ -= std::min(waiting_, written);  // `written` includes the note about dropped text, waiting_
-                                                // does not
+      waiting_ -= std::min(waiting_, written);  // only `written` includes the note about dropped text
     }
   }
 
@@ -171,8 +170,7 @@ void InstallOutput() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(
-          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the closed
-                                                                                 // descriptor's number
+          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the closed number
   if (std::FILE* out = Stream(g_out, isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF)) stdout = out;
   if (std::FILE* err = Stream(g_err, _IONBF)) stderr = err;
 }

@@ -87,8 +87,8 @@ class AdaptiveResolution {
   simulation::PackingLevel level_;  ///< level of the present packing
   std::vector<double> times_us_;    ///< durations of frames in contact; a ring buffer
   std::size_t next_{0};             ///< index in times_us_ for the next frame, modulo the window
-  bool ended_{false};               ///< no coarser packing will follow: none would help or is possible, or
-                                    ///< the run has ended
+  bool ended_{false};               ///< no coarser packing will follow: none helps, none is possible, or the
+                                    ///< end
 
   std::mutex mutex_;  ///< guards the trail
   simulation::ProxyTrail trail_;

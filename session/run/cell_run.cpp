@@ -256,8 +256,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
-  std::optional<simulation::FrameRecord> pending;  // frame that was computed, but is not visible to the loop
-                                                   // yet
+  std::optional<simulation::FrameRecord> pending;  // computed, but not visible to the loop yet
   FaultEvents faults;
   bool stopped_by_user = false;
 
@@ -266,8 +265,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   const auto wanted_ticks = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto max_idle_ticks = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
   std::int64_t idle_ticks = 0;  // ticks in a row without rendering or a pause, or since the requested end
-  std::uint64_t active_before = 0, held_ticks = 0;  // COMMANDING_ACTIVE ticks: before this tick; during a
-                                                    // hold
+  std::uint64_t active_before = 0, held_ticks = 0;  // COMMANDING_ACTIVE ticks: so far; during holds
   bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
   // whether the arm is held at a fault until an operator asks for a recovery

@@ -29,10 +29,8 @@ class RemoteEngine;
 struct CellRunParams {
   double seconds{10.0};  ///< duration of rendering; 0: until stopped (wall time only)
   bool virtual_time{false};
-  double frame_s{0.002};  ///< virtual time: interval between frames, and delay from a frame's pose to its
-                          ///< model
-  int recoveries{0};  ///< largest number of automatic restarts after a lost connection to the arm has ended
-                      ///< rendering
+  double frame_s{0.002};  ///< virtual time: interval between frames, and delay from pose to model
+  int recoveries{0};      ///< largest number of automatic restarts after lost connections to the arm
   /// True: after a fault that allows a recovery, the arm stays at rest until `requests` contains a recovery
   /// or a stop. False: the fault ends the run.
   bool hold_at_fault{false};
@@ -82,8 +80,7 @@ struct EngineProcessResult {
   std::string where;  ///< "local, process 1234" or "127.0.0.1:30300"
   io::EngineCounters counters;
   std::string ended{};      ///< why it ended during the run, "signal 9 (Killed)"; empty: it did not
-  std::string unfetched{};  ///< why its carved state could not be fetched and was cut again; empty: it was
-                            ///< fetched
+  std::string unfetched{};  ///< why its carved state was not fetched but cut again; empty: it was fetched
 };
 
 /// The result of a run besides its recording.
@@ -102,11 +99,9 @@ struct CellRunResult {
   std::string session_error;   ///< why a procedure's session could not be written; empty: it was
   std::string internal_error;  ///< an exception that stopped the run in order; empty: none
   simulation::CarvedState after;
-  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` is then a state of the last coarser
-                                 ///< bone
+  std::vector<Rezoned> rezoned;  ///< zones that were coarsened; `after` is a state of the last coarser bone
   std::vector<simulation::SceneEvent> events;  ///< events of the scene, with the stamps of the recording
-  std::optional<double> min_wall_m;            ///< thinnest wall beside the cut; nothing: walls are not
-                                               ///< watched
+  std::optional<double> min_wall_m;            ///< thinnest wall beside the cut; nothing: not watched
   std::string cell_report;  ///< report of the simulated cell, osteon.cell/1; empty: this run did not start it
 };
 

@@ -101,8 +101,7 @@ class FrameRunner {
   std::function<void(const std::string&)> notice_;
   rt::Nanoseconds last_stamp_{0};                            // stamp of the last command
   std::optional<double> deepest_m_;                          // largest depth of the tool's apex so far
-  std::vector<simulation::SceneEvent> new_events_, events_;  // new_events_: not recorded yet; events_:
-                                                             // recorded
+  std::vector<simulation::SceneEvent> new_events_, events_;  // new_events_ are not recorded yet
 };
 
 }  // namespace osteon::session

@@ -44,8 +44,7 @@ class LiveFaults final : public io::RecordSink {
   io::RecordSink& next_;
   control::TickRecord before_;                 // the last tick
   bool begun_{false};                          // at least one tick was taken
-  std::size_t stops_{0};                       // number of stops so far, also the number of the last stop's
-                                               // page
+  std::size_t stops_{0};                       // number of stops so far: the number of the last stop's page
   bool stopped_{false};                        // a stop has begun, and the arm has not moved again since
   std::map<safety::Fault, std::string> seen_;  // measured values of the latched faults, in words
   bool changed_{false};                        // the notes have changed and are not yet published

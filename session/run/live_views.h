@@ -122,8 +122,7 @@ class LiveViews {
   LiveFaults faults_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
-  std::unique_ptr<surface::SurfaceThread> surface_thread_;  // declared before the servers, whose threads read
-                                                            // its age
+  std::unique_ptr<surface::SurfaceThread> surface_thread_;  // outlives the servers, whose threads use it
   // Pointers to the surface's thread and to the servers below, for other threads; null until the objects
   // exist.
   std::atomic<const surface::SurfaceThread*> followed_{nullptr};

@@ -16,15 +16,13 @@ struct OperateOptions {
   bool simulated{false};       ///< start the simulated cell, and its guard, as well
   double seconds{0.0};         ///< duration of rendering; 0: until Ctrl-C
   double wait_s{30.0};         ///< longest wait until the arm is there and all conditions of motion hold
-  int recoveries{0};           ///< largest number of automatic restarts after a lost connection to the arm
-                               ///< has ended rendering
+  int recoveries{0};           ///< largest number of automatic restarts after lost connections to the arm
   /// Whether a fault that allows a recovery leaves the cell at rest until an operator's recovery or stop;
   /// absent: it does if --console was given, so that a person is expected at the page, and the run has no set
   /// duration.
   std::optional<bool> hold_at_fault{};
   std::filesystem::path record{};            ///< the recording; empty: DatedRecording in the working folder
-  bool overwrite{false};                     ///< replace an earlier run's files of the same name; false:
-                                             ///< refuse to run
+  bool overwrite{false};                     ///< replace an earlier run's files of this name; false: refuse
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
   FidelityChoice fidelity{};                 ///< how fine the bone is
   ProcedureChoice procedure{};               ///< plan whose reamers are used one after the other

@@ -25,8 +25,7 @@ namespace {
 constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;
 constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;  // longest wait for the carved state
 constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;        // time between two checks of the process
-constexpr std::chrono::seconds kEndPatience{5};                // longest wait for the process to end before
-                                                               // it is killed
+constexpr std::chrono::seconds kEndPatience{5};                // longest wait for its end before it is killed
 
 // Encodes what the other process needs to make its engine: bone, tool, pose of the bone, cutting parameters.
 std::vector<std::uint8_t> SetupBytes(const CellSetup& setup) {

@@ -11,9 +11,7 @@ namespace {
 
 // Names the motion permits that were missing in the loop's last tick, for a run that never moved.
 std::string MissingPermits(safety::MotionPermits permits) {
-  if (!permits.Has(safety::MotionPermit::kArmFresh))
-    return "";  // no message arrives: the arm's diagnosis
-                // says why
+  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // the arm's diagnosis says why
   std::string missing;
   for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
     const auto permit = static_cast<safety::MotionPermit>(1u << bit);

@@ -10,12 +10,10 @@ namespace osteon::session {
 inline constexpr std::uint16_t kSimulatePort = 30300;
 
 struct SimulateOptions {
-  std::filesystem::path local{};  ///< folder with the shared memory of a run on this machine; empty: listen
-                                  ///< on UDP
+  std::filesystem::path local{};  ///< folder of a run on this machine, with the shared memory; empty: UDP
   std::string address{"127.0.0.1"};
   std::uint16_t port{kSimulatePort};
-  std::filesystem::path token_file{};  ///< file with the token; needed unless the address is a loopback
-                                       ///< address
+  std::filesystem::path token_file{};  ///< file with the token; needed except for a loopback address
   std::string engine{"auto"};          ///< one of WallTimeEngineNames
   std::string device{};                ///< part of a Vulkan device's name
   std::filesystem::path json{};        ///< file for the report, written at the process's end

@@ -63,8 +63,7 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   plc_inputs_.reset = panel.reset;
   plc_inputs_.brake_test_due = panel.brake_test_due;
   plc_inputs_.controller_heartbeat = static_cast<std::uint16_t>(now / kHeartbeat);
-  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // there is no guard in virtual time: its
-                                                                   // heartbeat always changes
+  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // no guard in virtual time
   plc_inputs_.motion_request = clients_->UpdateMotionRequest(commands, plc_, now);
   const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
 

@@ -32,8 +32,7 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
                                              const std::optional<MeshChoice>& mesh_instead) {
   const simulation::SceneParams& scene = setup.config.scene;
   std::optional<MeshChoice> mesh = mesh_instead;
-  std::string place;  // for messages: the place in the cell's file that names the bone; empty: the file names
-                      // none
+  std::string place;  // place in the cell's file that names the bone, for messages; empty: it names none
   if (!mesh && setup.config.bone) {
     place = setup.config.bone->place + ": ";
     mesh = {

@@ -35,14 +35,12 @@ struct PlannedCell;
 struct CellSetup {
   config::CellConfig config;  ///< tool and cutting as planned, if the bone was planned
   simulation::Bone bone;
-  std::shared_ptr<const simulation::Solid> solid;  ///< the solid that the bone was packed from; null: not
-                                                   ///< known
+  std::shared_ptr<const simulation::Solid> solid;  ///< solid from which the bone was packed; null: not known
   Pose X_WG{Pose::Identity()};                     ///< pose of the bone's frame G in the world
   std::string config_text;                         ///< the YAML files as read, one after the other
   io::ConfigSource config_source;                  ///< every file that was read, for the recording
   std::string cell_name;                           ///< name of the cell's YAML file
-  std::shared_ptr<const PlannedCell> planned;      ///< the plan of the packing; null: packed as the scene
-                                                   ///< says, or loaded
+  std::shared_ptr<const PlannedCell> planned;      ///< null: the bone was packed as the scene says, or loaded
   std::string bone_warning;  ///< about the bone's mesh (SceneSolid::warning); empty: none
 };
 

@@ -86,8 +86,7 @@ Check PeriodCheck(const DurationFigures& late, bool realtime) {
     served +=
         fmt::format("{}{:.0f} ms: {}", served.empty() ? "" : ", ", period_s * 1e3, serves ? "yes" : "no");
   }
-  const bool serves_all = realtime && Serves(late, kPeriods_s.front());  // the shortest period is the most
-                                                                         // demanding
+  const bool serves_all = realtime && Serves(late, kPeriods_s.front());  // the shortest demands most
   return {"Servo periods", served,
           serves_all   ? kCheckGood
           : serves_any ? kCheckUsable

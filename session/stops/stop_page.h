@@ -25,10 +25,9 @@ struct StopPageInput {
   std::string title;    ///< "Stop no. 1: force sensor stale"
   std::string heading;  ///< of the part that gives the reason: "What led to the stop", "How the run ended"
   std::string where;    ///< sentences about the recording, the time, and the part shown
-  std::string ticks_file{};    ///< file beside the page with the table of all ticks; empty: none
-  std::string view_command{};  ///< command that shows the recording at the stop; empty: not given
-  std::string console_url{};   ///< address of the page of the cell while it still runs; empty: it no longer
-                               ///< runs
+  std::string ticks_file{};                ///< file beside the page with the table of all ticks; empty: none
+  std::string view_command{};              ///< command that shows the recording at the stop; empty: not given
+  std::string console_url{};               ///< address of the cell's page; empty: the cell no longer runs
   std::string no_fault_text{"No fault."};  ///< printed if there are no faults
   std::vector<StopFaultRow> faults{};
   std::span<const control::TickRecord> ticks{};

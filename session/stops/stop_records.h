@@ -82,13 +82,11 @@ struct StopFiles {
   std::filesystem::path folder;
   std::string stem;
   const config::CellConfig& cell;     ///< the run's cell, for the limits in the charts
-  std::filesystem::path recording{};  ///< the recording, for the command that shows it; empty: the page names
-                                      ///< no command
+  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
   rt::Nanoseconds session_stamp{0};   ///< time of the recording's beginning; 0: virtual time
   double force_limit_N{0.0};
   std::string end_reason{};   ///< why the run ended, if it ended without a fault
-  std::string console_url{};  ///< address of the page of the cell while it still runs; empty: it no longer
-                              ///< runs
+  std::string console_url{};  ///< address of the cell's page; empty: the cell no longer runs
 };
 
 /// Writes the page of a stop and the table of its ticks. The error names the file.
@@ -98,10 +96,8 @@ struct StopFiles {
 struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;
-  const config::CellConfig& cell;     ///< the run's cell, for the limits in the charts; must outlive the
-                                      ///< StopPages
-  std::filesystem::path recording{};  ///< the recording, for the command that shows it; empty: the page names
-                                      ///< no command
+  const config::CellConfig& cell;     ///< the run's cell, for limits in the charts; must outlive StopPages
+  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
 };
 
 /// Writes each stop of a recording once it is complete: a page with its plots and faults,

@@ -19,8 +19,7 @@ struct PeakDeflection {
   void Add(const control::ComplianceRecord& record);
 
   bool present{false};                  ///< whether the cell models the compliance of tool, layer or mount
-  double bend_m{0.0}, layer_m{0.0};     ///< displacement of the apex by the tool's bend; indentation of the
-                                        ///< layer
+  double bend_m{0.0}, layer_m{0.0};     ///< displacement of the apex by bending; indentation of the layer
   double mount_m{0.0}, mount_rad{0.0};  ///< translation and rotation of the bone at its mount's point
 };
 

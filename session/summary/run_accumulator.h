@@ -31,8 +31,7 @@ class ProcedureSession;
 struct ActiveTicks {
   void Add(const control::TickRecord& tick);
 
-  double fresh_s{0.0}, sensor_full_s{0.0};     ///< age of model or reading up to which the force is rendered
-                                               ///< in full
+  double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages of model and reading up to which force is full
   std::optional<rt::Nanoseconds> first, last;  ///< stamps of the first and the last such tick
   /// Stamp of the last tick in which the loop was not yet at rest after a stop.
   rt::Nanoseconds stopped_at{0};

@@ -103,8 +103,7 @@ struct RunSummary {
   double swept_path_tolerance_m{0.0};
   double cup_depth_m{0.0};     ///< deepest proxy apex below the cup's uncut floor; negative: above it
   double reamed_depth_m{0.0};  ///< depth of the apex in the bone while it cut (simulation::ReamedDepth)
-  double cavity_depth_m{0.0};  ///< depth of the carved balls' floor below the uncut floor; < 0: carved
-                               ///< through
+  double cavity_depth_m{0.0};  ///< depth of the cut floor below the uncut floor; < 0: carved through
   report::ReportFigures section;
   DurationFigures wakeup, compute, frame;
   LatencyFigures latency;                ///< latency of the whole cell, and its parts
@@ -115,8 +114,7 @@ struct RunSummary {
   std::vector<report::FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;
   std::vector<EventRow> events;                ///< events of scene, pauses and deflections by time
-  std::shared_ptr<const PlannedCell> planned;  ///< plan of the packing; null: packed as the scene says, or
-                                               ///< loaded
+  std::shared_ptr<const PlannedCell> planned;  ///< null: the bone was packed as the scene says, or loaded
   std::vector<RezonedRow> rezoned;             ///< zones that were coarsened
   std::optional<RecutFigures> recut;           ///< nothing: the bone was not cut again
   /// Thinnest wall beside the cut, 0: cut through; nothing: not watched.
@@ -136,8 +134,7 @@ struct RunSummary {
   std::vector<SessionPass> passes;           ///< passes of the whole session
   std::vector<MissedChange> missed_changes;  ///< missed changes of the session's last run
   std::vector<double> diameters_mm;          ///< diameters of the session's tools
-  control::TickInput link;                   ///< input of the last tick, for its counts of messages and
-                                             ///< answers
+  control::TickInput link;                   ///< last tick's input, for its counts of messages
   std::string arm_stop;                      ///< why the simulated arm ended the session; empty: it did not
 };
 

@@ -39,8 +39,7 @@ struct CarvedBone {
   /// Carves the messages taken so far, including the batch that is not complete: the exact state at a time.
   void CarveAll();
 
-  static constexpr std::size_t kMaxGathered = 4096;  ///< largest number of gathered capsules: some ten
-                                                     ///< seconds of reaming
+  static constexpr std::size_t kMaxGathered = 4096;  ///< most gathered capsules: some ten seconds of reaming
 
  private:
   void Use(std::size_t tool);  // from now on, the path is that of this tool

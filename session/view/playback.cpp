@@ -11,8 +11,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // time between two steps of the playback
-constexpr double kAtOnce_s = 0.3;               // a Seek first shows only this much time before the wanted
-                                                // time
+constexpr double kAtOnce_s = 0.3;               // time before the wanted one that a Seek shows first
 
 }  // namespace
 
@@ -116,9 +115,7 @@ Playback::PassedOrError Playback::JumpTo(double at_s) {
   if (!place || at_s <= kAtOnce_s) return place;
   {
     const std::lock_guard lock(mutex_);
-    if (!seeks_)
-      state_.at_s = std::min(at_s, state_.duration_s);  // set now, so that the bone need not wait
-                                                        // for the charts
+    if (!seeks_) state_.at_s = std::min(at_s, state_.duration_s);  // the bone need not wait for the charts
   }
   // if an earlier chunk is damaged, Show fails: then show only the time around at_s, without the charts' past
   if (Show(at_s, kBefore_s, true)) return place;

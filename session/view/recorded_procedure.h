@@ -39,8 +39,7 @@ class RecordedProcedure {
 
   RecordedProcedure(const std::filesystem::path& recording, SessionFile session,
                     const procedure::SurgicalPlan& plan, const Pose& X_WG);
-  void Run(const std::filesystem::path& recording);  // function of the thread: reads the whole recording and
-                                                     // fills steps_
+  void Run(const std::filesystem::path& recording);  // the thread reads all and fills steps_
   // Makes the message of the session as it was at a stamp: with the passes that had ended, and the guidance's
   // gain.
   [[nodiscard]] std::string JsonAt(rt::Nanoseconds stamp) const;

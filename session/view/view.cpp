@@ -190,8 +190,7 @@ int RunView(const ViewOptions& options) {
              if (request.kind == console::ViewRequest::Kind::kMap) return bones.Show(request.value != 0.0);
              for (const auto& each : shown) Move(each->playback, request);
              if (!two || request.kind != console::ViewRequest::Kind::kHalt) return;
-             const double halted_s = longest.playback.state().at_s;  // make both show the same time after a
-                                                                     // halt
+             const double halted_s = longest.playback.state().at_s;  // show the same time after a halt
              for (const auto& each : shown) each->playback.Seek(halted_s);
            },
        .notes = notes,

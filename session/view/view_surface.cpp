@@ -66,9 +66,7 @@ void ViewSurface::Begin(const CarvedBone& from) {
     if (auto timeline = RecordingTimeline::Open(recording_))
       timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
   ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
-  if (bone_)
-    return bone_->JumpTo(from);  // JumpTo keeps the bricks that are the same, so they are not sent
-                                 // again
+  if (bone_) return bone_->JumpTo(from);  // equal bricks are not sent again
   bone_.emplace(from);
   BeginFeed();
 }

@@ -24,8 +24,7 @@ struct Material {
   double density_kg_per_m3{1000.0};
   double specific_cutting_energy_J_per_m3{1e9};  ///< u_c, work of the edge per removed volume
   double cutting_force_ratio{0.8};               ///< mu_c, cutting force over normal force
-  double friction{0.2};                          ///< mu, friction coefficient between the tissue and a tool
-                                                 ///< that does not turn
+  double friction{0.2};                          ///< mu, friction at a tool that does not turn
 
   FigureSource density_source{}, cutting_energy_source{}, cutting_force_source{}, friction_source{};
 

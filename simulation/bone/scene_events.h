@@ -94,8 +94,7 @@ class SceneWatch {
   [[nodiscard]] std::optional<Wall> ThinnestWall(const Pose& X_GP) const;
   [[nodiscard]] OrientedPoint Refined(const Vector3& c_m, OrientedPoint at) const;
   [[nodiscard]] bool IsOpening(const OrientedPoint& sample) const;
-  [[nodiscard]] double DepthOf(const Vector3& p_G) const;  // depth below the site's centre, along its axis
-                                                           // [m]
+  [[nodiscard]] double DepthOf(const Vector3& p_G) const;  // below the site's centre along its axis [m]
 
   const Solid* solid_;
   CutSite site_;

@@ -40,8 +40,7 @@ struct SiteParams {
 struct ZoneParams {
   enum class Kind : std::uint8_t { kCup, kPath, kSurface, kEverywhere };
   Kind kind{Kind::kCup};
-  double radius_m{0.0};           ///< kPath: radius of the tool; kSurface: radius of the region around the
-                                  ///< site
+  double radius_m{0.0};           ///< kPath: the tool's radius; kSurface: radius around the site
   std::vector<Vector3> path_C_m;  ///< kPath: positions of the tool's centre, in the site's frame C
 };
 
@@ -57,8 +56,7 @@ struct MeshSceneTissue {
     MaterialIndex core{0};
   };
   ShellTissue solid;
-  std::vector<Region> regions;  ///< a mesh region takes the first entry that matches its name; without a
-                                ///< match it has the solid's tissue
+  std::vector<Region> regions;  ///< for each mesh region the first match; else the solid's tissue
   std::optional<Lining> lining;
 };
 
@@ -98,8 +96,8 @@ struct SceneSolid {
 [[nodiscard]] SceneSolid MakeSceneSolid(const SceneParams& scene);
 
 /// Loads the solid of a mesh file (see LoadMesh) in place of the scene's generated solid. One unit of the
-/// file is `scale` millimetres; G is the file's frame, scaled. A mesh that does not bound a solid is repaired
-/// into one that does.
+/// file is `scale` millimetres; G is the file's frame, scaled. The surface of a mesh that bounds no solid is
+/// remade (MeshRemake).
 ///
 /// The site must be on the mesh, as a cup or as an entry. A cup: in at least a quarter of the directions into
 /// its lower half, bone begins between 70 and 130 % of its radius. An entry: its centre is within a quarter

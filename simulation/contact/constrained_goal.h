@@ -8,8 +8,7 @@
 
 namespace osteon::simulation {
 
-inline constexpr std::size_t kMaxHolding = 4;  ///< three planes determine a point, a fourth plane determines
-                                               ///< the slack
+inline constexpr std::size_t kMaxHolding = 4;  ///< three planes determine the point, a fourth the slack
 
 /// The point nearest to the origin that a set of planes allows, and the planes on which it lies (the holding
 /// planes).

@@ -198,8 +198,7 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
   const Faces faces = FindFaces(params, candidates, hold, memory);
   // Each face gets a part of the friction in proportion to its multiplier, which tilts its direction. So
   // force and friction become zero together.
-  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement of the held tool from the
-                                                            // tool's pose
+  Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;
   // this part of the force acts along the faces' own directions; the rest acts along the resultant, divided
@@ -254,8 +253,7 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
     order[i] = i;
     const NearPair& pair = candidates.pairs[i];
     gap[i] = candidates.gap_m[i] + pair.n.dot(pair.motion_m);  // gap at the tool's pose
-    room[i] = gap[i] + pair.n.dot(hold.point_m);               // gap at the pose at which the planes hold the
-                                                               // tool
+    room[i] = gap[i] + pair.n.dot(hold.point_m);               // gap where the planes hold the tool
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });

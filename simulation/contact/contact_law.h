@@ -39,8 +39,7 @@ struct NearPair {
   Vector3 n{Vector3::Zero()};  ///< unit normal, from bone to tool
   double gap_m{std::numeric_limits<double>::infinity()};
   double score_m{std::numeric_limits<double>::infinity()};  ///< gap + kBinCentreBias_m (1 - cosine)
-  Vector3 motion_m{Vector3::Zero()};    ///< motion of the tool ball's centre, from first contact to the
-                                        ///< tool's pose
+  Vector3 motion_m{Vector3::Zero()};    ///< of the tool ball's centre, from first contact to the tool's pose
   Vector3 center_T_m{Vector3::Zero()};  ///< centre of the tool ball, in T
   double tool_radius_m{0.0};
 };
@@ -87,8 +86,7 @@ struct Candidates {
   std::array<NearPair, kContactBins + kRememberedPairs> pairs{};
   std::array<double, kContactBins + kRememberedPairs> gap_m{};
   std::size_t count{0};
-  std::array<std::size_t, kMaxHolding> held{};  ///< indices of the pairs that held the tool in the frame
-                                                ///< before
+  std::array<std::size_t, kMaxHolding> held{};  ///< indices of pairs that held the tool in the frame before
   std::size_t held_count{0};
 };
 /// Collects the candidates of a frame and their gaps.

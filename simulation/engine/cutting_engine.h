@@ -42,11 +42,10 @@ enum class Cutters : std::uint8_t {
 /// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
 struct SplitParams {
   bool on{false};
-  double min_radius_m{0.4e-3};    ///< balls that are smaller at the first touch are not split
-  int children{24};               ///< number of children of a ball: 8 … 1024
-  double min_child_share{0.12};   ///< smallest radius of a child, as a fraction of the uncut ball's radius: 0
-                                  ///< … 0.5
-  std::size_t pool_blocks{4096};  ///< number of balls that can be split at the same time: 1 … 1 000 000
+  double min_radius_m{0.4e-3};      ///< balls that are smaller at the first touch are not split
+  int children{24};                 ///< number of children of a ball: 8 … 1024
+  double min_child_share{0.12};     ///< smallest radius of a child over the uncut ball's radius: 0 … 0.5
+  std::size_t pool_blocks{4096};    ///< number of balls that can be split at the same time: 1 … 1 000 000
   std::size_t blocks_per_frame{0};  ///< largest number of balls split in a frame; others wait; 0: no limit
 };
 
@@ -60,8 +59,7 @@ struct CuttingParams {
   /// Longest travel of the proxy in one frame, by its slide and, with the rate law, its advance. While the
   /// tool cuts, a fifth of it is reserved for the advance (kSlideShare).
   double max_slide_m{0.25e-3};
-  double engaged_layer_m{0.5e-3};  ///< depth of the layer of mass points in which the engaged area is
-                                   ///< measured
+  double engaged_layer_m{0.5e-3};  ///< depth of the layer in which the engaged area is measured
   RemovalLaw law{RemovalLaw::kRate};
   Cutters cutters{Cutters::kAll};
   /// Rate law, true: the edges' own force must be overcome before bone gives way

@@ -34,11 +34,9 @@ struct ShaftPlane {
 
 /// Results of a frame's passes, in G.
 struct FrameSolution {
-  double contact_fraction{1.0};  ///< first contact, as a fraction of the path from the proxy to the tool's
-                                 ///< pose
-  double slide_fraction{1.0};    ///< slide, as a fraction of the path from first contact to the constrained
-                                 ///< target
-  double turn_fraction{1.0};     ///< turn, as a fraction of the turn from first contact to the tool's pose
+  double contact_fraction{1.0};  ///< first contact: fraction of the path from proxy to tool pose
+  double slide_fraction{1.0};    ///< slide: fraction of the path from first contact to target
+  double turn_fraction{1.0};     ///< turn: fraction of the turn from first contact to tool pose
   double slide_m{0.0};           ///< length of the slide, for the tool point that moves farthest
   std::array<SolvedContact, kMaxContacts> contacts{};
   int contact_count{0};

@@ -58,8 +58,7 @@ class ReferenceEngine final : public CuttingEngine {
   /// The volumes that a frame's cutting balls sweep.
   struct Swept {
     std::vector<Capsule> capsules;
-    std::vector<std::size_t> first;  ///< for each tool ball, index of its first capsule; last entry: number
-                                     ///< of capsules
+    std::vector<std::size_t> first;  ///< each tool ball's first capsule; last entry: number of capsules
     [[nodiscard]] std::span<const Capsule> Of(std::size_t t) const {
       return std::span(capsules).subspan(first[t], first[t + 1] - first[t]);
     }

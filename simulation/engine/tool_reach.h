@@ -16,8 +16,7 @@ namespace osteon::simulation {
 /// Balls or mass points of a bone, each with the tool balls that can meet it.
 struct NearItems {
   std::vector<std::size_t> items;     ///< indices of the balls or points, ascending
-  std::vector<std::size_t> first;     ///< for each item, index in `tool` of its first tool ball; last entry:
-                                      ///< the end
+  std::vector<std::size_t> first;     ///< index in `tool` of each item's first tool ball; then the end
   std::vector<std::uint32_t> tool{};  ///< indices of tool balls, ascending for each item
 
   [[nodiscard]] std::span<const std::uint32_t> ToolBallsOf(std::size_t place) const {

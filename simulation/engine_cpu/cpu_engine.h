@@ -16,8 +16,7 @@ struct CpuParams {
   /// One of CpuInstructionSets(); empty: the best that this processor has.
   std::string instruction_set{};
   bool brute_force{false};  ///< examine every pair in every pass, to check the neighbour lists
-  bool look_ahead{true};    ///< build the next list in slices over several frames while the present list is
-                            ///< in use
+  bool look_ahead{true};    ///< build the next list in slices, while the present one is in use
   bool time_stages{false};  ///< measure CpuFrameStats::stage_s
   /// Largest number of listed pairs of a block (eight balls, or points of a material) and a tool ball. A
   /// frame that needs more pairs has the status kOverloaded and changes nothing. A pair takes six bytes in

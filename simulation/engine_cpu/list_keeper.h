@@ -65,8 +65,7 @@ class ListKeeper {
   std::array<double, 2> displacement_at_{};
   std::size_t serving_{0};  // index of the list in use
   double displacement_mm_{0.0};
-  double used_before_{0.0}, used_per_frame_{0.0};  // fraction of the skin used: in total up to the previous
-                                                   // frame; per frame
+  double used_before_{0.0}, used_per_frame_{0.0};  // fraction of the skin used: in total; per frame
   std::size_t slices_{1};
   bool made_in_frame_{false};
 };

@@ -207,9 +207,7 @@ void NeighbourList::End() {
   for (const std::uint32_t point : cleared_since_) {
     PointList& list = point_lists_[from_.bone.material(point)];
     const std::size_t block = place_of_point_[point] / 8, k = place_of_point_[point] % 8;
-    if (block >= list.block_count || list.blocks[block].index[k] != point)
-      continue;  // the point is not
-                 // listed
+    if (block >= list.block_count || list.blocks[block].index[k] != point) continue;  // not listed
     PointBlock& at = list.blocks[block];
     at.x[k] = at.y[k] = at.z[k] = kFarAway_mm;
     at.area_m2[k] = 0.0;

@@ -90,8 +90,7 @@ class NeighbourList {
   PairRowList ball_rows_;
   std::vector<PointList> point_lists_;  // by material
   NearClusters balls_, points_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> children_;  // number of the split ball; index of its
-                                                                   // cluster in balls_
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> children_;  // number; index of the parent's cluster
   std::size_t next_child_{0}, listed_points_{0};
   std::vector<std::uint32_t> place_of_point_;  // block · 8 + lane of each point in its material's list
   std::vector<std::uint32_t> cleared_since_, split_since_;

@@ -42,10 +42,8 @@ struct CellFinds {
   std::uint8_t lost{0}, swept{0}, left{0}, at_surface{0};
   double left_depth_m{0.0};
   bool has_place{false};
-  Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // a place on the exact cut, for probes, and
-                                                                 // direction into bone
-  double tool_radius_m{0.0};                                     // radius of the tool that made the cut at
-                                                                 // this place
+  Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // place on the exact cut, for probes
+  double tool_radius_m{0.0};                                     // radius of the tool that cut this place
 };
 
 /// Takes random samples in a cell, and determines for each sample how the cut changed the bone there.
@@ -179,9 +177,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     result.swept_volume_m3 += share * found.swept;
     result.left_volume_m3 += share * found.left;
     result.left_depth_m = std::max(result.left_depth_m, found.left_depth_m);
-    if (found.lost == 1)
-      variance += share * share;  // variance of share (a + b) for samples a, b: share^2 (a
-                                  // - b)^2
+    if (found.lost == 1) variance += share * share;  // variance of share (a + b): share^2 (a - b)^2
     if (found.has_place) places.push_back(&found);
   }
   if (result.cut_area_m2 > 0.0) {

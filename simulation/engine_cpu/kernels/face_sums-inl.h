@@ -81,7 +81,7 @@ class FaceSums {
   void Sum(const Group& g);
 
   NearFieldPass& p_;
-  bool in_order_;  // true: every block has a single row so far, so the pairs are in order
+  bool in_order_;  // true: every block has a single row, so the pairs arrive in order
   std::size_t count_{0};
   D8 sums_[kFaceCount];  // for each face: sums of weight, n, centre in T, radius
 };

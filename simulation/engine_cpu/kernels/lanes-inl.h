@@ -17,7 +17,7 @@ namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Lanes<T, N> as one vector, if the instruction set has a vector of N lanes.
+// A single vector of N lanes, for instruction sets that have such a vector.
 template <class T, std::size_t N>
 struct One {
   using Tag = hn::CappedTag<T, N>;
@@ -89,7 +89,7 @@ struct MaskTraits<Two<H>> {
 
 // ---- making, loading and storing vectors
 
-// Load<V>::Of sets all lanes to the value x; Load<V>::From loads the lanes from memory.
+// Make<V>::Of sets all lanes to the value x; Make<V>::From loads the lanes from memory.
 template <class V>
 struct Make;
 template <class T, std::size_t N>

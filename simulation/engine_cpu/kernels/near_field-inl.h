@@ -22,7 +22,7 @@ constexpr std::uint8_t kUnsureBin = 255;           // means that floats cannot d
 
 // Near pairs, packed without gaps. Either all of their tool balls cut, or none does.
 struct NearChunk {
-  alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // unit vector from bone to tool
+  alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // vector from bone to tool
   alignas(64) float gap[kChunk + kWide];
   std::uint32_t place[kChunk + kWide], tool[kChunk + kWide];
   std::uint32_t count{0};
@@ -43,8 +43,8 @@ class NearFieldSearch {
  private:
   // Examines the eight pairs of a row in floats, and packs the near ones into the chunk.
   void ExamineRow(const NearFieldPass& p, std::uint32_t block, const F3& c, const F8& r, std::uint32_t row);
-  // TakeChunk examines all pairs of the chunk, kWide at a time. AddNear and FaceSums list the pairs that need
-  // doubles.
+  // TakeChunk examines all pairs of the chunk; TakeLanes examines kWide of them, from i on. AddNear and
+  // FaceSums list the pairs that need doubles.
   void TakeChunk();
   void TakeLanes(std::uint32_t i);
   // Lists a pair for doubles, if it may be the nearest of its bin. @param number  the bin's number

@@ -26,7 +26,7 @@ HWY_INLINE float LesserOf(float a, float b) { return a < b ? a : b; }
 
 HWY_INLINE F3 CentersOf(const BallBlock& b) { return {Load(b.x), Load(b.y), Load(b.z)}; }
 HWY_INLINE F3 CentersOf(const PointBlock& b) { return {Load(b.x), Load(b.y), Load(b.z)}; }
-// Returns the centre of tool ball t in all lanes: At rounded [mm], ExactAt exact [m].
+// Returns the centre of tool ball t in all lanes: At rounded [mm], ExactlyAt exact [m].
 HWY_INLINE F3 At(const Places& p, unsigned t) { return {F(p.x_mm[t]), F(p.y_mm[t]), F(p.z_mm[t])}; }
 HWY_INLINE D3 ExactlyAt(const Places& p, unsigned t) { return {D(p.x[t]), D(p.y[t]), D(p.z[t])}; }
 
