@@ -24,8 +24,8 @@ class RunQueueWatch {
 
  private:
   std::vector<int> files_;            // descriptors of the threads' schedstat files
-  std::vector<long long> waited_ns_;  // of each thread at Restart
-  long switches_{0};                  // of the process at Restart
+  std::vector<long long> waited_ns_;  // time waited of each thread at Restart
+  long switches_{0};                  // the process's involuntary switches at Restart
 };
 
 }  // namespace osteon::session

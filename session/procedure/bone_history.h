@@ -37,8 +37,8 @@ struct BoneHistory {
   std::function<TakenBackPasses()> taken_back{};
 };
 
-/// Makes the history of a running session. @param session  outlives the functions  @param X_WG  pose of the
-/// bone in the world
+/// Makes the history of a running session. @param session  must outlive the functions  @param X_WG  pose of
+/// the bone in the world
 [[nodiscard]] BoneHistory HistoryOf(const ProcedureSession& session, const Pose& X_WG);
 
 }  // namespace osteon::session

@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-// Tool of the last pass that was not undone; empty if there is none.
+// Index of the tool of the last pass that was not undone; empty if there is none.
 std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   std::optional<int> last;
   for (const SessionPass& pass : passes)

@@ -30,9 +30,9 @@ struct ScoreSoFar {
 };
 
 /// Scores the items that are known now (procedure::ScoreOf), and leaves three kinds open: items that the last
-/// tool decides, until that tool has a pass that counts; items that need all recordings of the session; items
-/// whose values could not be measured. So the total is never above that of `osteon assess` for the same
-/// passes and rubric.
+/// tool decides, until that tool has a pass that was not undone; items that need all recordings of the
+/// session; items whose values could not be measured. So the total is never above that of `osteon assess` for
+/// the same passes and rubric.
 /// @param passes  all passes of the session, including undone ones
 /// @param assessment  of the bone after these passes; its process figures are not used
 /// @param walls_known  false: the walls beside some pass are not known, and a breach is assumed
@@ -52,7 +52,8 @@ struct LiveScoreParams {
 };
 
 /// The score of a running session, computed as `osteon assess` does. The score is that of the bone after the
-/// last pass that counts; bone cut since then is not included. The age in the message is that of this bone.
+/// last pass that was not undone; bone cut since then is not included. The age in the message is that of this
+/// bone.
 ///
 ///     frames' thread ──AddFrame, EndPass, SetState──▶ [newest state] ──Update──▶ message ──Json──▶ pages
 ///
@@ -93,7 +94,7 @@ class LiveScore {
     std::optional<PlainPose> cup_X_GT;
     bool guided{false};
     rt::Nanoseconds stamp{0};
-    std::map<int, std::shared_ptr<const Trace>> traces;  // by the passes' numbers
+    std::map<int, std::shared_ptr<const Trace>> traces;  // traces of the passes, by pass number
   };
   // Measures the bone and the walls of a state, and scores it.
   [[nodiscard]] ScoreSoFar Measure(const Input& input) const;

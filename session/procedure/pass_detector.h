@@ -8,16 +8,16 @@ namespace osteon::session {
 /// A pass ends after the tool has touched no bone for this long.
 inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
 
-/// Longest time from one frame to the next that counts as cutting time [s]: a longer gap, which is a stall of
-/// the simulation, counts as this much.
+/// Longest time from one frame to the next that is added to the cutting time [s]. Of a longer gap, which is a
+/// stall of the simulation, only this much is added.
 inline constexpr double kMaxFrameGap_s = 0.1;
 
 /// Decides in which frames bone is removed. A session's passes and its assessment both use this rule:
 ///
 ///     spindle turns, and (more volume is gone than in the frame before, or the bone gives way)
 ///
-/// Mass points vanish one by one. In a slow cut, frames between two such points count as well: the cut face
-/// advances, though no volume is gone yet.
+/// Mass points vanish one by one. In a slow cut, frames between two such points are also frames in which bone
+/// is removed: the cut face advances, although no volume is gone yet.
 class CutDetector {
  public:
   /// Takes the next frame. @param spindle_rad_per_s  spindle speed in the command for this frame

@@ -84,7 +84,7 @@ std::vector<MissedChange> ProcedureSession::MissedChanges() const {
 }
 
 // Scores the new state in the writer's thread, since measuring the bone takes some tenths of a second. In
-// virtual time the bone is measured when the score is asked for.
+// virtual time the bone is measured when the score is requested.
 void ProcedureSession::RenewScore() {
   const SessionFile file = File();
   const bool guided = std::ranges::any_of(
@@ -102,7 +102,7 @@ std::string ProcedureSession::ScoreJson() {
   return score_.Json(frame_stamp_.load(), in_pass_.load());
 }
 
-// Ends the session in order: saves the bone, and asks the run to end in the same way as an operator's stop.
+// Ends the session in order: saves the bone, and requests the run's end like an operator's stop.
 SessionAnswer ProcedureSession::Finish(const SessionRequest& request, const simulation::ToolCommand& command,
                                        FrameRunner& runner) {
   if (pass_.open() && !pass_.clear()) return Refused("finish: the tool touches bone: retract it first");

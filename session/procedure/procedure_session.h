@@ -178,7 +178,8 @@ class ProcedureSession final : public FrameObserver {
   int tool_{0};
   PassDetector pass_;
   ScriptedChanges script_;
-  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // saved_: the last state that counts
+  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // saved_: the last saved state that was not
+                                                                  // undone
   std::string saved_name_, saved_hash_;
   int states_{0};                  // number in the name of the last state's file
   bool changed_{false};            // tool or bone changed in this pause, so a resume is checked
@@ -196,7 +197,7 @@ class ProcedureSession final : public FrameObserver {
   std::atomic<bool> resume_asked_{false};           // set by RequestResume, not checked yet
   std::atomic<bool> finished_{false};
   std::atomic<bool> in_pass_{false};             // a pass was open in the newest frame
-  std::atomic<rt::Nanoseconds> frame_stamp_{0};  // of the newest frame's pose
+  std::atomic<rt::Nanoseconds> frame_stamp_{0};  // stamp of the newest frame's pose
 
   mutable rt::InheritingMutex mutex_;  // guards the following, for the frames' and pages' threads
   PausedReadings readings_;

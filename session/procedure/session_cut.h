@@ -19,14 +19,15 @@
 
 namespace osteon::session {
 
-/// Tool and path of each pass of a session that was not taken back. The path is that of the simulated tool,
-/// in the bone's frame.
+/// Tool and path of each pass of a session that was not undone. The path is that of the simulated tool, in
+/// the bone's frame.
 class SessionCut {
  public:
   /// @param tools  one for each of session.diameters_mm  @param X_WG  the bone in the world
   SessionCut(const SessionFile& session, std::vector<simulation::Tool> tools, const Pose& X_WG);
 
-  /// Takes a frame of a recording of the session; it counts if it belongs to a pass.
+  /// Takes a frame of a recording of the session. The frame is used if it belongs to a pass that was not
+  /// undone.
   void Add(const std::string& recording, const simulation::FrameRecord& frame);
 
   /// The paths of the passes, in their order. They are views of this object.
@@ -35,10 +36,11 @@ class SessionCut {
   [[nodiscard]] double tolerance_m() const;
   [[nodiscard]] const std::vector<simulation::Tool>& tools() const { return tools_; }
 
-  std::optional<procedure::PlannedCavity> planned{};  ///< of the session's plan, if it was read
+  std::optional<procedure::PlannedCavity> planned{};  ///< planned cavity of the session's plan, if the plan
+                                                      ///< was read
 
  private:
-  // A pass that counts, with the path of its tool.
+  // A pass that was not undone, with the path of its tool.
   struct Pass {
     std::string recording;
     rt::Nanoseconds begin, end;

@@ -57,7 +57,7 @@ struct SessionPass {
 
 /// A change of tool that the scripted operator of a simulated cell was to make, but did not.
 struct MissedChange {
-  int tool_index{0};   ///< of the tool that was not taken
+  int tool_index{0};   ///< index of the tool that was not taken
   std::string reason;  ///< what was missing, or the refusal
 };
 
@@ -65,7 +65,7 @@ struct MissedChange {
 struct SessionGains {
   std::string law;  ///< "admittance" or "impedance"
   double stiffness_N_per_mm{0.0}, damping_Ns_per_m{0.0};
-  std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< of the virtual tool; zero under the impedance law
+  std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< virtual tool by axis; zero under the impedance law
 };
 
 /// Returns the largest number N of the files PREFIX N EXTENSION in a folder, such as run_2.mcap; 0: no file.
@@ -93,12 +93,12 @@ struct SessionFile {
   bool ended{false};  ///< the last run ended in order; false also while a run lasts
   std::vector<SessionSegment> segments;
   std::vector<SessionPass> passes;
-  std::vector<MissedChange> missed_changes{};  ///< of the last run; empty with a person, and during a run
+  std::vector<MissedChange> missed_changes{};  ///< in the last run; empty with a person, and during a run
   std::optional<PlainPose> cup_X_GT;           ///< the tool's pose at `tell cup`, in the bone's frame G
 
-  /// Returns the number of passes that count for the result.
+  /// Returns the number of passes that were not undone.
   [[nodiscard]] int PassesLeft() const;
-  /// Returns the file of the last state that counts; empty: the uncut bone.
+  /// Returns the file of the bone's state after the last pass that was not undone; empty: the uncut bone.
   [[nodiscard]] std::string LastState() const;
 };
 

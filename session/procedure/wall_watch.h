@@ -36,7 +36,7 @@ class WallWatch {
   const simulation::Bone& bone_;
   const simulation::Solid* solid_;
   const simulation::SceneEventParams events_;
-  std::map<int, simulation::SceneWatch> watches_;  // by the tools' indices
+  std::map<int, simulation::SceneWatch> watches_;  // by tool index
   Vector3 last_m_{Vector3::Zero()};                // place of the last measurement
   double steps_{0.0};                              // number of measurements
 };

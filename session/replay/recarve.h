@@ -16,7 +16,7 @@ namespace osteon::session {
 /// run's bone and engine, the result is the run's carved state, bit for bit.
 class Recarve {
  public:
-  /// @param engine  with the uncut bone; outlives this
+  /// @param engine  with the uncut bone; must outlive this object
   /// @param dt_limit_s  as in FrameRunner
   Recarve(simulation::CuttingEngine& engine, control::Law law, double dt_limit_s = 0.1)
       : engine_(&engine), measured_(law == control::Law::kImpedance), dt_limit_s_(dt_limit_s) {}
@@ -34,7 +34,7 @@ class Recarve {
   /// The caller passes the frame to Add.
   /// @param at_end  no further tick follows
   [[nodiscard]] std::optional<simulation::FrameRecord> NextDue(bool at_end = false);
-  /// Continues with another engine, which must outlive this.
+  /// Continues with another engine, which must outlive this object.
   void ReplaceEngine(simulation::CuttingEngine& engine) { engine_ = &engine; }
 
   [[nodiscard]] std::uint64_t frames() const { return frames_; }      ///< number of frames cut again

@@ -29,8 +29,8 @@ struct AdaptiveResolutionParams {
 struct Rezoned {
   CoarserZones zones;
   double seen_us{0.0};       ///< median frame time that led to it
-  simulation::Bone bone;     ///< as packed, before it was carved
-  rt::Nanoseconds stamp{0};  ///< of the last frame before the change
+  simulation::Bone bone;     ///< the coarser bone as packed, before it was carved
+  rt::Nanoseconds stamp{0};  ///< stamp of the last frame before the change
 };
 
 /// Watches the frames of a planned run. If they keep taking longer than the rate allows, the zones are
@@ -87,8 +87,7 @@ class AdaptiveResolution {
   simulation::PackingLevel level_;  ///< level of the present packing
   std::vector<double> times_us_;    ///< durations of frames in contact; a ring buffer
   std::size_t next_{0};             ///< index in times_us_ for the next frame, modulo the window
-  bool ended_{false};               ///< no coarser packing will follow: none helps, none is possible, or the
-                                    ///< end
+  bool ended_{false};               ///< no coarser packing will follow
 
   std::mutex mutex_;  ///< guards the trail
   simulation::ProxyTrail trail_;

@@ -12,8 +12,7 @@ namespace osteon::session {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::uint16_t kFirstTunnel = 29536;  // first tunnel port for a bus whose file names a real
-                                               // interface
+constexpr std::uint16_t kFirstTunnel = 29536;  // first tunnel port for a bus with a real interface
 
 // Index of the guard's port among the cell's consecutive ports: after the port of the arm, the port of the
 // PLC, and two ports for each CAN bus.

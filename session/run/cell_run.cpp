@@ -268,7 +268,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   std::uint64_t active_before = 0, held_ticks = 0;  // COMMANDING_ACTIVE ticks: so far; during holds
   bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
-  // whether the arm is held at a fault until an operator asks for a recovery
+  // whether the run waits, after a fault, for an operator's request for recovery
   const auto holds = [&] {
     return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
   };

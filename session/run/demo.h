@@ -34,7 +34,7 @@ struct DemoOptions {
   std::string engine{"auto"};           ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< first port of the simulated cell; absent: the ports of its file
   int cpu{-1};  ///< for servo thread and simulated arm; all other threads are kept off this CPU; -1: any
-  /// After a fault that allows a recovery, the cell stays at rest until an operator asks for the recovery.
+  /// After a fault that allows a recovery, the cell stays at rest until an operator requests the recovery.
   bool hold_at_fault{false};
   /// Time between two states of the carved bone in the recording; 0: no states are recorded.
   double bone_state_s{5.0};

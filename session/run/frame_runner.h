@@ -60,10 +60,10 @@ class FrameRunner {
   /// @param notice  called with the text of each event of Say, on the frames' thread; may be empty
   void SetNotice(std::function<void(const std::string&)> notice) { notice_ = std::move(notice); }
 
-  /// @param surface  gets the path of each frame; null: no surface is made. It outlives the last frame.
+  /// @param surface  gets the path of each frame; null: no surface is made. It must outlive the last frame.
   void SetSurface(surface::SurfaceThread* surface) { surface_ = surface; }
 
-  /// @param observer  called for each frame; null: none. It outlives the last frame.
+  /// @param observer  called for each frame; null: none. It must outlive the last frame.
   void SetObserver(FrameObserver* observer) { observer_ = observer; }
   /// Continues with another engine, which has another tool. The previous engine is no longer used.
   /// @param depth, watch  depth and watch of that tool; they must outlive the last frame

@@ -9,7 +9,7 @@
 #include "safety/motion_permit.h"
 #include "session/run/cell_run.h"
 
-// The end of a run: whether it is asked for, how it is recorded, and why a run never began.
+// The end of a run: whether it is requested, how it is recorded, and why a run never began.
 
 namespace osteon::session {
 

@@ -62,7 +62,7 @@ std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const
   return nullptr;
 }
 
-// Passes each cycle of the arm from its thread's ring to the trace file and to the page, where they exist.
+// Passes each cycle of the arm from its thread's ring to the trace file and to the page, if these exist.
 struct CycleReaders {
   rt::SpscRing<hil::CellState> cycles{2048};  // space for two seconds at 1 kHz
   std::unique_ptr<CellTraceWriter> trace;

@@ -23,7 +23,7 @@ struct StopFaultRow {
 /// The contents of the page of a stop, a pause or a run's end. Views must outlive the call.
 struct StopPageInput {
   std::string title;    ///< "Stop no. 1: force sensor stale"
-  std::string heading;  ///< of the part that gives the reason: "What led to the stop", "How the run ended"
+  std::string heading;  ///< heading of the part on the reason: "What led to the stop", "How the run ended"
   std::string where;    ///< sentences about the recording, the time, and the part shown
   std::string ticks_file{};                ///< file beside the page with the table of all ticks; empty: none
   std::string view_command{};              ///< command that shows the recording at the stop; empty: not given

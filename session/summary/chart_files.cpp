@@ -16,7 +16,7 @@
 namespace osteon::session {
 namespace {
 
-// The processor's name as the kernel tells it.
+// Returns the processor's name as the kernel reports it.
 std::string ProcessorName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)

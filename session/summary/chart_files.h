@@ -33,7 +33,7 @@ struct ChartPart {
   std::string name{};  ///< name of the picture's files, without an extension; empty: no picture
   std::string svg{};
   std::string caption{};
-  std::vector<std::vector<std::string>> table{};  ///< as ChartFiles::table; empty: none
+  std::vector<std::vector<std::string>> table{};  ///< like ChartFiles::table; empty: no table
 };
 
 /// A chart that is written in five file formats into one folder.

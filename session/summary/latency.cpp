@@ -110,7 +110,7 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
   LatencyFigures latency;
   if (link_.count == 0) return latency;
   const bool has_readings = sensor_.count > 0;
-  const double sensor_delay_s = context.sensor_delay_s;  // from the force to the reading's stamp
+  const double sensor_delay_s = context.sensor_delay_s;  // delay from the force to the reading's stamp
   latency.parts.push_back(
       {.name = "sensor",
        .mean_s = sensor_.Value() + sensor_delay_s,

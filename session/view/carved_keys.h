@@ -42,7 +42,7 @@ struct CarvedBone {
   static constexpr std::size_t kMaxGathered = 4096;  ///< most gathered capsules: some ten seconds of reaming
 
  private:
-  void Use(std::size_t tool);  // from now on, the path is that of this tool
+  void Use(std::size_t tool);  // sets the tool for the following path
   void Gather();               // moves the swept capsules from `ways` to gathered_
 
   std::shared_ptr<const RecordedCut> cut_;

@@ -37,7 +37,7 @@ class RecordingTimeline {
   RecordingTimeline(io::RecordingStream stream, std::vector<io::McapChunkPlace> chunks);
 
   io::RecordingStream stream_;
-  std::vector<io::McapChunkPlace> chunks_;  // in the order of their times
+  std::vector<io::McapChunkPlace> chunks_;  // the chunks by time
   rt::Nanoseconds start_{0};
   double duration_s_{0.0};
 };

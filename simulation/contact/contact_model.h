@@ -22,8 +22,7 @@ struct Contact {
   double stiffness_N_per_m{0.0};  ///< stiffness of the coupling along n
   double mu{0.0};                 ///< friction coefficient of the contact's material
   double advance_m_per_s{0.0};    ///< speed at which the plane recedes along -n under the frame's force
-  double weight{0.0};             ///< this contact's share of all squared overlaps with the enlarged tool, 0
-                                  ///< … 1
+  double weight{0.0};             ///< share of all contacts' squared overlaps with the enlarged tool, 0 … 1
   MaterialIndex material{0};
 };
 

@@ -28,7 +28,7 @@ struct FrameInput {
 
 /// The cutting law: how bone gives way.
 enum class RemovalLaw : std::uint8_t {
-  kRate,       ///< by energy balance: power of the edge over specific cutting energy
+  kRate,       ///< by the energy balance: power of the edge over specific cutting energy
   kImmediate,  ///< up to the tool's pose in every frame, at any distance (the paper)
 };
 
@@ -36,7 +36,7 @@ enum class RemovalLaw : std::uint8_t {
 enum class Cutters : std::uint8_t {
   kAll,            ///< all cutting balls, along the proxy's whole path
   kContactSphere,  ///< only the ball that touched first, at a tie the lowest index (the paper): leaves bone
-                   ///< in the way of the other balls
+                   ///< in the other balls' path
 };
 
 /// How balls that are too large for a cut are replaced by children (ball_removal.h, split_template.h).
