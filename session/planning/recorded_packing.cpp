@@ -21,7 +21,7 @@ std::string BallsChecksum(const std::vector<simulation::Ball>& balls) {
       std::string(reinterpret_cast<const char*>(balls.data()), balls.size() * sizeof(simulation::Ball)));
 }
 
-// Makes the record of a packing's level and balls, without demands and predictions.
+// Makes a packing record that has the packing's level and balls, but no demanded and no predicted figures.
 io::PackingRecord RecordOf(const simulation::PackingLevel& level,
                            const std::vector<simulation::Ball>& balls) {
   return {.kind = static_cast<std::uint32_t>(level.kind),

@@ -5,10 +5,10 @@
 
 namespace osteon::session {
 
-/// Measures the time that this process's threads waited for a processor: they were ready to run, but did not.
-/// The kernel counts this time (/proc/self/task/*/schedstat). The threads that exist at construction are
-/// watched. Time that a hypervisor takes is not visible. If the kernel does not count, involuntary context
-/// switches are used instead.
+/// Measures the time that this process's threads waited for a processor: they were ready to run, but had to
+/// wait. The kernel counts this time (/proc/self/task/*/schedstat). The threads that exist at construction
+/// are watched. Time that a hypervisor takes is not visible. If the kernel does not count, involuntary
+/// context switches are used instead.
 class RunQueueWatch {
  public:
   RunQueueWatch();

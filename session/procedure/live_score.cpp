@@ -20,7 +20,8 @@ std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   return last;
 }
 
-// Whether a metric cannot be known yet.
+// Whether a metric's value is not known yet: it needs all recordings of the session, or a pass of the last
+// tool, which has none yet.
 bool IsOpen(const procedure::Metric& metric, bool last_tool_has_cut) {
   switch (metric.known) {
     case procedure::MetricKnown::kWithAnyCut:
@@ -33,7 +34,7 @@ bool IsOpen(const procedure::Metric& metric, bool last_tool_has_cut) {
   return !last_tool_has_cut;
 }
 
-// Makes the message's row of an item. @param open  its value cannot be known yet
+// Makes an item's row in the message. @param open its value cannot be known yet
 nlohmann::json ItemJson(const procedure::ScoredItem& scored, bool open) {
   const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
   return {{"metric", scored.item.metric},

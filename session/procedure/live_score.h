@@ -26,7 +26,7 @@ struct ScoreSoFar {
   procedure::Score score;   ///< an open item has no value and no points
   std::vector<bool> open;   ///< for each of score.items: the item has no value yet
   double open_points{0.0};  ///< weights of the open items
-  std::string unfinished;   ///< what is left of the plan; empty: nothing
+  std::string unfinished;   ///< what is left to do of the plan; empty: nothing
 };
 
 /// Scores the items that are known now (procedure::ScoreOf), and leaves three kinds open: items that the last
@@ -69,20 +69,21 @@ class LiveScore {
   void AddFrame(int tool, const simulation::ContactModel& model, double spindle_rad_per_s, bool begins);
   /// Ends the open pass. @param number  SessionPass::number of this pass
   void EndPass(int number);
-  /// Sets the bone that is to be scored. @param stamp  of the newest frame  @param guided  a part was guided
+  /// Sets the bone that is to be scored. @param stamp stamp of the newest frame @param guided guidance was on
+  /// in a part of the session
   /// @returns whether an Update is due: the input has changed, and there is a rubric
   bool SetState(std::shared_ptr<const simulation::CarvedState> state, std::vector<SessionPass> passes,
                 const std::optional<PlainPose>& cup_X_GT, bool guided, rt::Nanoseconds stamp);
 
-  /// Scores the newest bone, unless that is already done. Any thread but the frames'.
+  /// Scores the newest bone, unless that is already done. Call it from any thread but the frames' thread.
   void Update();
 
-  /// {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.
-  /// @param now  stamp of the newest frame  @param in_pass  a pass is open, which the score lacks
+  /// Makes the message {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.
+  /// @param now  stamp of the newest frame  @param in_pass a pass is open, which the score does not include
   [[nodiscard]] std::string Json(rt::Nanoseconds now, bool in_pass) const;
 
  private:
-  // The cut of a pass, as its score needs it.
+  // The facts about a pass's cut that the score needs.
   struct Trace {
     procedure::ReamedAxis axis;
     std::vector<Vector3> heads_m;  // centres of the head where bone was removed, at least kWallStep_m apart

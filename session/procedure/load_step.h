@@ -24,7 +24,7 @@ inline constexpr double kMaxLoadError_N = 0.5;
 class PausedReadings {
  public:
   void Add(const control::TickRecord& tick);
-  /// Whether both means are known: the pause has lasted for kTicksUntilKnown.
+  /// Whether both means are known, that is, whether the pause has lasted for kTicksUntilKnown ticks.
   [[nodiscard]] bool known() const { return newest_count_ >= kTicks; }
   /// The two means [N], in the sensor's frame S.
   [[nodiscard]] Vector3 first_S() const { return first_sum_ / kTicks; }

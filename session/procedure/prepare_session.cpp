@@ -55,7 +55,7 @@ struct NoviceBurr {
 // distance. Along the axis an expert stops pressing kExpertPastPlan_m beyond the plan. Both distances are
 // assumed.
 constexpr double kFingerRestFactor = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
-constexpr double kClearOfOpening_m = 3e-3;  // a burr this far over the opening's rim counts as retracted
+constexpr double kClearOfOpening_m = 3e-3;  // a burr is retracted if it is this far over the opening's rim
 
 // Returns the frame of the plan in G: origin at the plan's centre, +z along its axis, x and y as near to the
 // axes of G as possible.
@@ -188,7 +188,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     return tl::make_unexpected(std::move(wrong));
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
-  // count also recordings that session.json does not name, so that none is overwritten
+  // include recordings that session.json does not name, so that none is overwritten
   const int last = std::max(static_cast<int>(recordings.size()),
                             LastNumber(choice.session, kRecordingPrefix, kRecordingEnding));
   made.recording = fmt::format("{}{}{}", kRecordingPrefix, last + 1, kRecordingEnding);

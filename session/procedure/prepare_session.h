@@ -31,7 +31,7 @@ struct ProcedureChoice {
   /// Folder of a trainee's sessions: the gain is 1, reduced by a quarter for each session that passed
   /// (GainFrom). Empty: `guidance` applies.
   std::filesystem::path gain_from{};
-  /// The run is in virtual time: no date or time of the clock is written.
+  /// The run is in virtual time, so no date and no clock time is written.
   bool virtual_time{false};
 };
 
@@ -51,7 +51,7 @@ struct Procedure {
   std::optional<double> guidance;  ///< the chosen gain, or the gain from the sessions in gain_from
 };
 
-/// Reads plan and session. @param tool  replaces the cell's tool; the plan's reamers are sizes of it
+/// Reads plan and session. @param tool replaces the cell's tool; the plan's reamers are sizes of this tool
 /// The error says why the procedure is refused: a folder is in use, or the plan is not the session's.
 /// @throws config::ConfigError
 [[nodiscard]] tl::expected<Procedure, std::string> OpenProcedure(

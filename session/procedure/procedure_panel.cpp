@@ -17,7 +17,8 @@ nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 // Rounds a figure of the message: a change smaller than the step does not cause a new message.
 double Rounded(double value, double step) { return step * std::round(value / step); }
 
-// Makes the message of the plan, with places in the world's frame. @param confirms  as in the constructor
+// Makes the message of the plan, with places in the world's frame. @param confirms a person confirms each
+// change of tool
 std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, bool confirms) {
   nlohmann::json reamers = nlohmann::json::array();
   for (const procedure::PlannedTool& tool : plan.tools)

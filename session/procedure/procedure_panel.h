@@ -32,14 +32,14 @@ struct PlanPlace {
 /// Makes the two messages with which the console shows a procedure: the plan, which does not change, and the
 /// state of the session. console/web/src/messages.ts has their fields.
 ///
-/// Step belongs to the frames' thread, the messages to any.
+/// Step is called on the frames' thread, the other functions on any thread.
 class ProcedurePanel {
  public:
-  /// @param X_WG  bone in the world  @param confirms  a person confirms each change of tool
+  /// @param X_WG pose of the bone in the world  @param confirms  a person confirms each change of tool
   ProcedurePanel(procedure::SurgicalPlan plan, const Pose& X_WG, bool confirms);
 
   /// Takes a frame. The place shown is that of the simulated tool, which cuts.
-  /// @param tool  index in the plan  @param stamp  of the frame's pose
+  /// @param tool  index in the plan  @param stamp stamp of the frame's pose
   void Step(int tool, const simulation::ContactModel& model, rt::Nanoseconds stamp);
 
   /// {"type": "plan", …}

@@ -122,7 +122,7 @@ SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
     std::condition_variable done;
     std::optional<SessionAnswer> answer;
   };
-  const auto waiting = std::make_shared<Waiting>();  // the answer may come after this call has given up
+  const auto waiting = std::make_shared<Waiting>();  // the answer may come after this call has returned
   if (!Post(request, [waiting](const SessionAnswer& answer) {
         {
           const std::lock_guard lock(waiting->mutex);
@@ -412,12 +412,12 @@ SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRu
   return why.empty() ? SessionAnswer{.done = true, .reason = ""} : Refused(std::move(why));
 }
 
-// Carries out RequestResume. Nobody waits for an answer: a refusal goes to the run's notices.
+// Carries out RequestResume. Nobody waits for an answer, so a refusal is reported as a notice of the run.
 void ProcedureSession::HandleResume(const ToolCommand& command, FrameRunner& runner) {
   if (!resume_asked_.load()) return;
   {
     const std::lock_guard lock(mutex_);
-    if (open_ && open_->waits_for_loop) return;  // the requested tool comes first
+    if (open_ && open_->waits_for_loop) return;  // first finish the change to the requested tool
   }
   resume_asked_.store(false);
   if (const SessionAnswer answer = Resume(command, runner); !answer.done)

@@ -96,7 +96,8 @@ class ProcedureSession final : public FrameObserver {
 
   /// Takes each recorded tick, for the sensor's reading at rest. Call it from one thread only.
   void OnTick(const control::TickRecord& tick);
-  /// Passes the decided requests to the loop. Called by the thread that passes an operator's requests on.
+  /// Passes the accepted requests to the loop. Called by the thread that passes an operator's requests to the
+  /// loop.
   void Poll(control::ServoLoop& loop);
   /// Requests a resume for the operator; a later Poll passes it to the loop, once the tool is clear. Any
   /// thread.
@@ -126,7 +127,7 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] std::string ScoreJson();
   /// Whether a person has finished the session: all is saved, and the run is to end. Any thread.
   [[nodiscard]] bool finished() const { return finished_.load(); }
-  /// Thinnest wall that any tool but the first has left [m]; nothing: no wall was seen.
+  /// Thinnest wall that any tool but the one in use at the start has left [m]; nothing: no wall was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
 
  private:

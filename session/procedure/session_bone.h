@@ -39,7 +39,7 @@ struct PackedBone {
 [[nodiscard]] std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder);
 
 /// Finds the mesh that replaced the cell's bone in a session, with the plan's cup; nothing: the bone was the
-/// cell's. The error names the file. @param recording  of the session, in its folder
+/// cell's. The error names the file. @param recording a recording in the session's folder
 [[nodiscard]] tl::expected<std::optional<MeshChoice>, std::string> MeshOfSession(
     const std::filesystem::path& recording);
 

@@ -23,14 +23,14 @@ namespace osteon::session {
 /// the bone's frame.
 class SessionCut {
  public:
-  /// @param tools  one for each of session.diameters_mm  @param X_WG  the bone in the world
+  /// @param tools  one for each of session.diameters_mm  @param X_WG pose of the bone in the world
   SessionCut(const SessionFile& session, std::vector<simulation::Tool> tools, const Pose& X_WG);
 
   /// Takes a frame of a recording of the session. The frame is used if it belongs to a pass that was not
   /// undone.
   void Add(const std::string& recording, const simulation::FrameRecord& frame);
 
-  /// The paths of the passes, in their order. They are views of this object.
+  /// The paths of the passes, in their order. They refer to this object, which must outlive them.
   [[nodiscard]] std::vector<simulation::ToolPath> paths() const;
   /// Largest distance by which a thinned path differs from the frames' poses (ProxyPath::tolerance_m).
   [[nodiscard]] double tolerance_m() const;

@@ -33,7 +33,7 @@ void RequireName(const std::string& key, const std::string& name) {
         fmt::format("{}: found \"{}\", accepted the name of a file in the session's folder", key, name));
 }
 
-// @param found  the refused value; null: there is none
+// Throws the error for a key that is refused. @param found the refused value; null: the key is missing
 [[noreturn]] void Refuse(const char* key, const json* found, const std::string& accepted) {
   constexpr std::size_t kShown = 60;  // number of characters of the value in the message
   throw std::runtime_error(fmt::format(
@@ -178,7 +178,7 @@ SessionSegment ReadSegment(const json& object, const SessionFile& session) {
   return segment;
 }
 
-// @param number  the number that the pass must have
+// Reads a pass. @param number the number that the pass must have
 SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_t number) {
   SessionPass pass{.number = static_cast<int>(ReadWhole(object, "number", number, number)),
                    .segment = static_cast<int>(ReadWhole(

@@ -28,7 +28,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kReaderInterval{100};  // how often readers are checked
+constexpr std::chrono::milliseconds kReaderInterval{100};  // time between two checks of the readers
 constexpr std::size_t kMaxWaiting = 64u << 10;             // bytes that may wait; beyond it stderr is dropped
 constexpr int kExitClosed = 128 + SIGPIPE;                 // exit code if nobody reads stdout any more
 
@@ -142,7 +142,7 @@ namespace {
 
 std::atomic<OutputQueue*> g_queue{nullptr};
 
-// The write function for stdio: always accepts all of the text.
+// The write function for the stdio streams: it always accepts all of the text.
 ssize_t WriteToQueue(void* output, const char* text, std::size_t size) {
   const int kept = errno;
   try {

@@ -10,9 +10,9 @@ namespace osteon::session {
 /// one of these numbers, and the output would go into that file. Call it before anything else.
 void InstallOutput();
 
-/// Returns the exit code after the last print. @param code  the process's own
-/// @returns code; 1 instead of 0 if stdout did not accept all output, which is then said on stderr; 141 (128
-/// + SIGPIPE) instead of 0 if nobody reads stdout any more.
+/// Returns the exit code after the last print. @param code the exit code of the process's work @returns code;
+/// 1 instead of 0 if stdout did not accept all output, which is then said on stderr; 141 (128 + SIGPIPE)
+/// instead of 0 if nobody reads stdout any more.
 [[nodiscard]] int OutputExitCode(int code);
 
 class OutputQueue;

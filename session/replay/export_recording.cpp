@@ -23,7 +23,7 @@
 namespace osteon::session {
 namespace {
 
-// Shows a progress bar if the output is a terminal; elsewhere it would fill the output with lines.
+// Shows a progress bar if the output is a terminal; in a file it would add many lines.
 void ShowProgress(double share) {
   constexpr int kWidth = 40;  // width of the bar in characters
   static const bool is_terminal = isatty(STDERR_FILENO) != 0;

@@ -40,7 +40,7 @@ class Recarve {
   [[nodiscard]] std::uint64_t frames() const { return frames_; }      ///< number of frames cut again
   [[nodiscard]] std::uint64_t left_out() const { return left_out_; }  ///< number of frames left out
 
-  static constexpr std::size_t kKept = 2048;  ///< number of ticks: 2 s at 1 kHz; no frame is that old
+  static constexpr std::size_t kKept = 2048;  ///< number of stored ticks: 2 s at 1 kHz; no frame is that old
 
  private:
   // The pose and spindle speed of a tick that a frame may have been made for.

@@ -71,7 +71,7 @@ std::filesystem::path FolderOf(const std::filesystem::path& recording) {
 struct RecordedRunData {
   RunAccumulator run;
   CellRunResult result;
-  double seconds{0.0};  ///< between the first and the last commanded tick
+  double seconds{0.0};  ///< time between the first and the last commanded tick
   RecutFigures recut{};
   std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< engine after the last coarsening; null: none
 };

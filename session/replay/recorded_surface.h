@@ -44,10 +44,10 @@ struct WrittenSurface {
 /// Checks a surface's file before anything runs. @returns what is wrong; empty: nothing
 [[nodiscard]] std::string ValidateSurfaceFile(const std::filesystem::path& file);
 
-/// Makes {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces, dropped_pieces,
-/// dropped_mm3}
+/// Makes the JSON object {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces,
+/// dropped_pieces, dropped_mm3}
 [[nodiscard]] nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface);
-/// One line: the file, triangles, volume.
+/// Makes a line of text: file, number of triangles, volume.
 [[nodiscard]] std::string SurfaceText(const WrittenSurface& surface);
 
 }  // namespace osteon::session

@@ -116,7 +116,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     if (!result.why_not.empty()) break;
 
     TickRecord replayed = control::ReplayTick(loop, recorded, *model, command);
-    // compare the command as it is sent, not the loop's own record of it
+    // compare the command that is sent, not the loop's own record of it
     replayed.q_cmd = command.q;
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;

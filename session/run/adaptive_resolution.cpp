@@ -21,7 +21,7 @@ constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
 
-// A packing in the making. The making thread owns it until `ready`.
+// A packing that is being made. The thread that makes it owns it until `ready`.
 struct AdaptiveResolution::Making {
   Made made;
   std::unique_ptr<simulation::CuttingEngine> carver;  // cuts along the whole trail with the immediate law
@@ -37,8 +37,8 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
       trail_(MakeProxyTrail(setup)) {
-  // Without this, the simulation's thread would copy megabytes whenever the trail outgrew its memory, and the
-  // memory would grow during a long run.
+  // Reserve the memory now. Otherwise the simulation's thread would copy megabytes whenever the trail needs
+  // more memory, and the memory would grow during a long run.
   trail_.Reserve(kMaxPlaces);
 }
 

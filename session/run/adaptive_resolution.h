@@ -17,7 +17,7 @@ namespace osteon::session {
 
 /// The conditions under which a run's zones are coarsened.
 struct AdaptiveResolutionParams {
-  double rate_hz{250.0};     ///< frame rate that the median frame must keep
+  double rate_hz{250.0};     ///< frame rate [Hz] that the median frame time must reach
   std::size_t window{200};   ///< number of frames in contact of which the median is taken
   double within_ratio{0.9};  ///< largest ratio of a coarser packing's frame time to the permitted one
   EngineChoice engine;       ///< engine for the coarser packing
@@ -28,7 +28,7 @@ struct AdaptiveResolutionParams {
 /// A coarser packing that replaced a run's packing.
 struct Rezoned {
   CoarserZones zones;
-  double seen_us{0.0};       ///< median frame time that led to it
+  double seen_us{0.0};       ///< median frame time that led to the change
   simulation::Bone bone;     ///< the coarser bone as packed, before it was carved
   rt::Nanoseconds stamp{0};  ///< stamp of the last frame before the change
 };
@@ -107,7 +107,7 @@ class AdaptiveResolution {
 /// packed
 [[nodiscard]] simulation::Bone PackCoarser(const CellSetup& setup, const simulation::PackingLevel& level);
 /// The two engines for a coarser bone: `carver` carves along a trail, with G as its world frame; `engine`
-/// goes on with the cut.
+/// continues the run's cut.
 struct CoarserEngines {
   std::unique_ptr<simulation::CuttingEngine> carver, engine;
 };

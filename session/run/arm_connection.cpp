@@ -7,7 +7,7 @@
 namespace osteon::session {
 namespace {
 
-// Says what keeps an arm on RSI from being commanded; empty: nothing does.
+// Says what prevents commanding an arm on RSI; empty: nothing does.
 std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) {
   if (status.sessions == 0 && error) return "What came was refused as RSI: " + io::Describe(error) + ".";
   if (status.sessions == 0)

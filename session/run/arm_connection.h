@@ -33,7 +33,7 @@ class ArmProtocolSession {
  public:
   explicit ArmProtocolSession(const config::ArmLinkConfig& link);
 
-  /// Decodes a datagram. Returns true if `state` now holds its content. See io::FriSession::Accept,
+  /// Decodes a datagram. Returns true if `state` now has its content. See io::FriSession::Accept,
   /// io::RsiSession::Accept.
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp, control::ArmState& state);
   /// Returns the datagram that answers the last accepted message; empty if no answer is due. Valid until the
@@ -43,7 +43,7 @@ class ArmProtocolSession {
   /// Makes the next answers ask the arm's program to end the session. False if the protocol cannot.
   bool RequestStop();
 
-  /// Says what keeps the arm from being commanded; empty if nothing does.
+  /// Says what prevents commanding the arm; empty: nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:
@@ -51,7 +51,7 @@ class ArmProtocolSession {
   bool can_stop_;
 };
 
-/// The client's side in wall time, over a socket.
+/// The client's side of the connection in wall time, over a socket.
 class ArmConnection {
  public:
   /// Opens the socket. The error names address and port, and says what to do.
@@ -65,7 +65,7 @@ class ArmConnection {
   /// kMaxEndDelay. Without this call, the arm would miss the answers and stop with a fault of its own.
   void EndSession();
 
-  /// Says what keeps the arm from being commanded; empty if nothing does.
+  /// Says what prevents commanding the arm; empty: nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:

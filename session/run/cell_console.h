@@ -13,7 +13,7 @@
 namespace osteon::session {
 
 /// The page of `osteon cell`: the true motion of the simulated arm, its operator's hand, its spindle, and the
-/// permissions of PLC and arm. It shows neither bone nor coupling, which belong to the controller; the
+/// permissions of PLC and arm. It shows neither bone nor coupling, which only the controller knows; the
 /// controller's run has a page of its own. The page accepts no requests: the cell's script presses the
 /// buttons.
 ///

@@ -40,7 +40,7 @@ namespace {
 
 constexpr double kVirtualGiveUp_s = 30.0;  // longest wait for COMMANDING_ACTIVE, or for rest after the stop
 
-constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // how often a run is supervised
+constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // time between two checks of a run
 
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -448,7 +448,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                  : RunWall(setup, runner, connections, **recorder, params);
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
-  if (!params.virtual_time) {  // in virtual time no packing is still being made
+  if (!params.virtual_time) {  // in virtual time, no packing is being made now
     runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }

@@ -53,22 +53,23 @@ struct CellRunParams {
   io::RecordSink* live{nullptr};              ///< a live view, which gets all records; null: none
   std::string console_url{};                  ///< address of the console, for the summary; empty: not served
   std::filesystem::path gains{};     ///< a file of gains that is read again whenever it is saved; empty: none
-  GainsPanel* gains_panel{nullptr};  ///< gains that pages ask for; null: none
-  /// Log time from one state of the carved bone to the next in the recording, for Foxglove; 0: no states.
+  GainsPanel* gains_panel{nullptr};  ///< gains that pages request; null: none
+  /// Log time between two states of the carved bone in the recording, for Foxglove; 0: no states are
+  /// recorded.
   double bone_state_s{0.0};
   std::function<void()> begins{};  ///< called once everything is open, before anything moves
   std::function<void(const std::string&)> notice{};  ///< called with a line of text for each notable event
   std::function<void(double seconds)> progress{};    ///< called now and then with the time run so far
   /// A procedure with its tools and saved states, after its Begin; null: none. It must outlive the run.
   ProcedureSession* procedure{nullptr};
-  /// May coarsen the zones during the run; null: they stay.
+  /// Coarsens the zones during the run if frames take too long; null: the zones stay.
   AdaptiveResolution* adaptive_resolution{nullptr};
   /// Updates the carved surface and passes it to its sink, on a thread of its own; null: no surface is shown.
   surface::SurfaceThread* surface{nullptr};
   /// Virtual time: assumed computing time of a frame [us], for the adaptive resolution; empty: zones are not
   /// coarsened.
   std::function<double(const simulation::FrameRecord&)> frame_us{};
-  /// Virtual time: called after each tick with the contact model that the tick saw.
+  /// Virtual time: called after each tick with the contact model that the tick used.
   std::function<void(const control::TickRecord&, const simulation::ContactModel&)> ticked{};
 };
 
@@ -79,11 +80,11 @@ inline constexpr double kArmDeadlinePeriods = 5.0;
 struct EngineProcessResult {
   std::string where;  ///< "local, process 1234" or "127.0.0.1:30300"
   io::EngineCounters counters;
-  std::string ended{};      ///< why it ended during the run, "signal 9 (Killed)"; empty: it did not
+  std::string ended{};      ///< why its process ended during the run: "signal 9 (Killed)"; empty: it did not
   std::string unfetched{};  ///< why its carved state was not fetched but cut again; empty: it was fetched
 };
 
-/// The result of a run besides its recording.
+/// The result of a run, apart from its recording.
 struct CellRunResult {
   control::RunEnd end{control::RunEnd::kSeconds};
   std::string diagnosis;  ///< if rendering never began: what prevented it, in the arm or the devices
@@ -91,7 +92,7 @@ struct CellRunResult {
   control::ServoStatistics statistics;
   int recovered{0};                ///< number of automatic restarts, without recoveries by an operator
   int operator_recoveries{0};      ///< number of restarts that an operator requested at a fault
-  safety::FaultSet cleared;        ///< faults that these restarts have cleared
+  safety::FaultSet cleared;        ///< faults that the operator's recoveries have cleared
   rt::RealtimeGrant servo_thread;  ///< wall time: scheduling that the system granted
   io::RecordingCounts recording;
   std::string recording_error;  ///< why the recording could not be written to its end; empty: it is complete

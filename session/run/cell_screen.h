@@ -31,7 +31,7 @@ class CellScreen {
   bool rsi_, has_plc_;
   std::string controller_, plc_;  // address and port of the controller and of the PLC
   control::SessionState session_{control::SessionState::kIdle};
-  bool told_{false};                                      // a state was printed before anybody had answered
+  bool told_{false};                                      // a state was printed before anybody answered
   std::uint64_t answered_{0}, undelivered_{0};            // counts of the arm's messages at the last call
   double last_answer_s_{0.0}, last_undelivered_s_{-1.0};  // times at which these counts last rose
   std::string silence_;                                   // line about the silence that was printed last

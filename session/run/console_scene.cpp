@@ -22,7 +22,7 @@ using nlohmann::json;
 
 json Row(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-// The twelve numbers of [R | p], row by row.
+// Makes a list of the twelve numbers of [R | p], row by row.
 json Rows(const Pose& X) {
   json numbers = json::array();
   for (int row = 0; row < 3; ++row)
@@ -30,7 +30,7 @@ json Rows(const Pose& X) {
   return numbers;
 }
 
-// The arm's joints from base to flange.
+// Makes the list of the arm's joints from base to flange.
 template <int N>
 json Chain(const kinematics::ChainParams<N>& chain) {
   json joints = json::array();

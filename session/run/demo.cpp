@@ -45,8 +45,8 @@ std::filesystem::path UnusedSessionFolder(const std::filesystem::path& out) {
   }
 }
 
-// Checks the output paths before anything runs: an empty string, or what is wrong. The folders are created
-// later, by RunCell, so that a refused run leaves none.
+// Checks the output paths before anything runs. @returns what is wrong; empty: nothing. The folders are
+// created later, by RunCell, so that a refused run leaves none.
 std::string CheckOutputs(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
@@ -56,8 +56,8 @@ std::string CheckOutputs(const DemoOptions& options) {
   return ValidateSurfaceFile(options.surface);
 }
 
-// Claims the folder for this process, and moves or removes an earlier demo's files: an empty string, or what
-// is wrong.
+// Claims the folder for this process, and moves or removes an earlier demo's files. @returns what is wrong;
+// empty: nothing
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   std::error_code error;
   // RunCell creates the recording's folder, which is another one if there is a session
@@ -72,7 +72,7 @@ std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   return "";
 }
 
-// Saves the tool's motion as a file that can be played again; an empty string, or what is wrong.
+// Saves the tool's motion as a file that can be played again. @returns what is wrong; empty: nothing
 std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
                        const std::filesystem::path& recording) {
   const auto motion =

@@ -27,7 +27,7 @@ struct DemoOptions {
   /// novice or a burr, 60 s for each tool.
   bool default_seconds{false};
   ProcedureChoice procedure{};  ///< plan whose reamers are used one after the other
-  bool virtual_time{false};     ///< run as CellRunParams::virtual_time says, without waiting
+  bool virtual_time{false};     ///< run in virtual time, without waiting
   /// Virtual time: duration of a frame; absent: the default of CellRunParams.
   std::optional<double> frame_ms{};
   std::string device{};                 ///< part of a Vulkan device's name

@@ -11,7 +11,7 @@ namespace osteon::session {
 /// Records each fault of a run once, as an event "fault: NAME; what the cell does". Any thread.
 class FaultEvents {
  public:
-  /// Records those of the faults that are new. @param stamp  of the events  @param faults  bits of
+  /// Records the faults that are not recorded yet. @param stamp stamp of the events  @param faults  bits of
   /// safety::Fault
   void Record(io::Recorder& recorder, rt::Nanoseconds stamp, std::uint32_t faults);
   /// Forgets the recorded faults after a recovery: each fault is then new again.

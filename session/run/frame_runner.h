@@ -27,7 +27,7 @@ class FrameObserver {
   virtual void AfterFrame(const simulation::ToolCommand& command, const simulation::FrameRecord& record) = 0;
 };
 
-/// Runs one frame after the other and makes its record. Used in wall time and in virtual time.
+/// Computes one frame after the other and makes the record of each. Used in wall time and in virtual time.
 class FrameRunner {
  public:
   /// @param watch  examines every frame's proxy

@@ -47,7 +47,7 @@ class LiveFaults final : public io::RecordSink {
   std::size_t stops_{0};                       // number of stops so far: the number of the last stop's page
   bool stopped_{false};                        // a stop has begun, and the arm has not moved again since
   std::map<safety::Fault, std::string> seen_;  // measured values of the latched faults, in words
-  bool changed_{false};                        // the notes have changed and are not yet published
+  bool changed_{false};                        // the notes have changed and are not published yet
 
   mutable std::mutex mutex_;  // guards the members below
   std::map<safety::Fault, console::FaultNote> notes_;

@@ -91,7 +91,7 @@ class LiveViews {
   /// The gains that pages may change.
   [[nodiscard]] GainsPanel* gains_panel() { return &gains_; }
   [[nodiscard]] console::LiveStatus Status() const;
-  /// The status as a line for the progress on stderr; empty before the first message.
+  /// The status as a line of text for stderr; empty before the first message of the arm.
   [[nodiscard]] std::string Line() const;
   /// Answers a request by a line of JSON: {"done", "reason", …}. Any text gets an answer, also one that is no
   /// request.
@@ -115,7 +115,7 @@ class LiveViews {
   GainsPanel gains_;
   std::string cell_;
   std::string scene_;
-  std::vector<std::string> not_opened_;  // why a server could not be opened, one text each
+  std::vector<std::string> not_opened_;  // for each server that could not be opened: why
   console::LiveContext context_;
   console::LiveFeed feed_;
   LiveLatency latency_;

@@ -28,7 +28,7 @@ struct OperateOptions {
   ProcedureChoice procedure{};               ///< plan whose reamers are used one after the other
   std::filesystem::path gains{};             ///< overrides the cell's gains; empty: none
   std::filesystem::path identified{};        ///< file of `osteon identify`; empty: the cell's own, if any
-  std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; none: the cell file's
+  std::optional<std::uint16_t> port{};       ///< first port of a simulated cell; absent: its file's ports
   int cpu{-1};                               ///< CPU reserved for the servo thread; -1: any
   std::string engine{"auto"};                ///< one of WallTimeEngineNames
   std::string device{};                      ///< part of a Vulkan device's name

@@ -50,7 +50,8 @@ void PrintSimulatedSide(const config::CellConfig& cell) {
   std::fflush(stdout);
 }
 
-// Opens the page that shows the cell; null if it is off or cannot be opened: the cell then runs without it.
+// Opens the page that shows the cell; null if the page is off or cannot be opened: the cell then runs without
+// a page.
 std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const config::CellConfig& cell) {
   if (!options.console.on) return nullptr;
   auto page = CellConsole::Open(options.console, cell, options.cell.stem().string(), options.seconds);

@@ -16,7 +16,7 @@ class StartWatch {
   /// @param setup, loop  must outlive this object
   StartWatch(const CellSetup& setup, control::ServoLoop& loop);
 
-  /// The arm's position: written by the servo thread, read by Poll.
+  /// The waiting arm's position. The servo thread writes it, Poll reads it.
   [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
 
   /// Checks the path from the arm's present position. Call it from one thread only. Takes up to some seconds.

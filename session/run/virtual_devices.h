@@ -51,7 +51,7 @@ class VirtualDevices final : public control::CellDevices {
     return devices_.drive() ? devices_.drive()->tool_speed_rad_per_s() : 0.0;
   }
 
-  /// Says what keeps the cell from moving.
+  /// Says which devices prevent a motion of the cell.
   [[nodiscard]] std::string Diagnosis() const { return clients_->Diagnosis(plc_, now_); }
 
  private:

@@ -57,8 +57,8 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
     setup.bone_warning = made.warning;
     setup.solid = made.solid;
   }
-  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
-  // site's frame
+  // place the bone so that its site is at the configured place: the configuration's X_WG is the pose of the
+  // site's frame C
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
   return {};
 }

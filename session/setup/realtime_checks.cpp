@@ -197,7 +197,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
       rt::SleepUntil(due);
       const rt::Nanoseconds woken = rt::MonotonicNow();
       late.push_back(woken - due);
-      due = std::max(due, woken - rt::kMillisecond);  // a stall counts as one late wake-up, not as a burst
+      due = std::max(due, woken - rt::kMillisecond);  // a stall is one late wake-up, not many
     }
     done.store(true);
   });

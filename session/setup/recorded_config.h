@@ -37,7 +37,7 @@ struct RecordedCell {
 /// Loads the cell from the recording only (LoadRecordedCell), and a procedure's table of tools.
 [[nodiscard]] tl::expected<RecordedCell, std::string> LoadRecordedTools(const io::ConfigSource& source);
 
-/// Makes a cell's servo loop, as a run and its replay need it.
+/// Makes a cell's servo loop, in the same way for a run and for its replay.
 [[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);
 
 }  // namespace osteon::session

@@ -42,7 +42,8 @@ struct StopRecord {
 /// Whether the loop moves the arm in a phase.
 [[nodiscard]] bool MovesArm(control::Phase phase);
 
-/// Whether a stop begins with `tick`: the loop moved the arm in the tick before it, and now stops or pauses.
+/// Whether a stop begins with `tick`: the loop moved the arm in the tick before, and stops or pauses in this
+/// one.
 [[nodiscard]] bool BeginsStop(const control::TickRecord& before, const control::TickRecord& tick);
 
 /// Finds every stop of a recording, tick by tick. A stop is a change of the loop from moving (aligning,

@@ -37,7 +37,7 @@ bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t c
   return column > 0;
 }
 
-// An HTML table; the first row is the head.
+// Makes an HTML table; the first row is the head.
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
   std::string html = "<div class=\"wide\">\n<table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {

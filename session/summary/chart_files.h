@@ -13,7 +13,8 @@ namespace osteon::session {
 /// Returns the machine's name for a chart: processor, cores, system.
 [[nodiscard]] std::string MachineName();
 
-/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.
+/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if nothing has this name, or a folder has
+/// it.
 [[nodiscard]] std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder);
 
 /// Returns "OPTION FILE: no folder FOLDER"; empty if the file's folder exists, or no file is named.

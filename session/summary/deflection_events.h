@@ -40,7 +40,7 @@ class DeflectionEvents {
  private:
   std::vector<EventRow> rows_;
   std::optional<rt::Nanoseconds> start_;  // stamp of the run's first tick
-  std::optional<rt::Nanoseconds> last_;   // stamp of the last tick beyond the error
+  std::optional<rt::Nanoseconds> last_;   // stamp of the last tick with a displacement beyond the error
 };
 
 /// Makes the text that is recorded when a deflection event begins: "deflection: the tool gives way by 0.052

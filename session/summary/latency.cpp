@@ -72,7 +72,7 @@ double LatencyMeter::ArmDelay_ticks() const {
   const auto best = static_cast<std::size_t>(std::ranges::min_element(error_) - error_.begin());
   if (best == 0) return 0.0;
   if (best + 1 == kTicks) return -1.0;  // the delay may be longer than kTicks
-  // the minimum of the parabola through the smallest sum of squares and its two neighbours
+  // interpolate: take the minimum of the parabola through the smallest sum of squares and its two neighbours
   const double left = error_[best - 1], middle = error_[best], right = error_[best + 1];
   const double curvature = left - 2.0 * middle + right;
   const double shift = curvature > 0.0 ? 0.5 * (left - right) / curvature : 0.0;

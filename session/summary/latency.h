@@ -29,7 +29,7 @@ struct LatencyPart {
 /// with the bone reaches the hand.
 struct LatencyFigures {
   std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
-  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm itself
+  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm directly
   double bone_to_hand_s{0.0};      ///< model + link + tick + arm
   bool hand_moves_arm{false};      ///< impedance law: the hand moves the arm directly, without the loop
   /// Whether every part was measured; false without parts.

@@ -35,7 +35,8 @@ namespace osteon::session {
 /// STEM_stop_1.html, STEM_stop_1_ticks.csv and so on. Lists regular files only, no devices.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfRun(const std::filesystem::path& recording);
 
-/// Says why a run must not use this recording's name: files of an earlier run have it. Empty if it may.
+/// Says why a run must not use this recording's name: files of an earlier run have the name. Empty if the run
+/// may use it.
 [[nodiscard]] std::string ValidateRecordingName(const std::filesystem::path& recording);
 
 /// Removes an earlier run's files. @returns the files that could not be removed, and why; empty: none

@@ -32,7 +32,7 @@ double MedianRate_hz(const report::DurationCounts& steps) {
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
-// A row for each fault: when it first appeared, and what was measured then.
+// Makes a row for each fault: when it first appeared, and what was measured then.
 std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
                                         const control::ServoParams& servo) {
   std::vector<report::FaultRow> rows;
@@ -47,7 +47,8 @@ std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumu
   return rows;
 }
 
-// The events of scene, pauses and deflections in the order of their times, which count from `start`.
+// Makes the rows of the events of scene, pauses and deflections, in the order of their times, which count
+// from `start`.
 std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events, const RunAccumulator& run,
                                 rt::Nanoseconds start) {
   std::vector<EventRow> rows;

@@ -48,7 +48,8 @@ struct RecutFigures {
   /// says, and may differ from the run's.
   bool packing_unknown{false};
   [[nodiscard]] bool SameAsRecorded() const { return removed_volume_m3 == recorded_volume_m3; }
-  /// Whether the volumes differ by so much that the bone is another one. Different engines differ by less.
+  /// Whether the volumes differ by so much that the bones must be different. Results of different engines
+  /// differ by less.
   [[nodiscard]] bool Differs() const {
     return std::abs(removed_volume_m3 - recorded_volume_m3) > 1e-3 * recorded_volume_m3;
   }
@@ -109,7 +110,7 @@ struct RunSummary {
   LatencyFigures latency;                ///< latency of the whole cell, and its parts
   std::string state_hash;                ///< hash of the carved state, hexadecimal
   std::vector<EffectiveLimit> limits;    ///< the limits in force
-  std::vector<ActedLimit> acted_limits;  ///< those that acted, when and for how long
+  std::vector<ActedLimit> acted_limits;  ///< limits that acted, when and for how long
   double min_depth_left_m{0.0};  ///< smallest distance to the reamer's depth limit; infinite: no limit
   std::vector<report::FaultRow> faults;
   std::vector<DriveFaultRow> drive_faults;

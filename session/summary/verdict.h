@@ -26,7 +26,7 @@ struct Verdict {
   VerdictLevel level{VerdictLevel::kGood};
   std::vector<std::string> reasons;  ///< sentences, in the order in which they were found; empty if good
 
-  /// Makes the level at least this bad, and adds the reason.
+  /// Raises the level to `at_least` if it is lower, and adds the reason.
   void Add(VerdictLevel at_least, std::string reason);
 
   [[nodiscard]] report::ReportVerdict ForReport() const {

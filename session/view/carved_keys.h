@@ -60,7 +60,7 @@ class CarvedKeys {
  public:
   static constexpr std::size_t kMaxKeys = 512;                      ///< number of states
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;  ///< memory of all states: 256 MiB
-  static constexpr double kFirstStep_s = 5.0;                       ///< time between states, at first
+  static constexpr double kFirstStep_s = 5.0;                       ///< initial time between states
 
   /// @param begin  the bone as it was when the recording began
   CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin);

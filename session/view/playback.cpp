@@ -123,7 +123,7 @@ Playback::PassedOrError Playback::JumpTo(double at_s) {
 }
 
 // Replaces the feed's content by the messages from at_s - before_s to at_s.
-// @param leaves  whether another Seek ends this one early; the feed then keeps its content
+// @param leaves true: another Seek ends this one early, and the feed then keeps its content
 Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves) {
   console::LiveFeed new_feed(feed_.kept());
   (void)timeline_.Seek(std::max(0.0, at_s - before_s));
@@ -134,7 +134,8 @@ Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves
   return passed;
 }
 
-// Passes the time line's next messages to a feed, up to a time. @param leaves  as in Show
+// Passes the time line's next messages to a feed, up to a time. @param leaves true: another Seek ends this
+// early
 Playback::PassedOrError Playback::PassUntil(double at_s, console::LiveFeed& feed, bool leaves) {
   const io::RecordingStream& message = timeline_.message();
   while (true) {

@@ -61,7 +61,7 @@ class Playback {
   using PassedOrError = tl::expected<Passed, std::string>;
 
   void Run();
-  [[nodiscard]] bool Seeks() const;  // whether a Seek, or the end, waits for the thread
+  [[nodiscard]] bool Seeks() const;  // whether the thread has a Seek to do, or is to end
   [[nodiscard]] PassedOrError PassUntil(double at_s, console::LiveFeed& feed, bool leaves);
   [[nodiscard]] PassedOrError Show(double at_s, double before_s, bool leaves);
   [[nodiscard]] PassedOrError JumpTo(double at_s);

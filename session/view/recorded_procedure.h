@@ -20,7 +20,8 @@ namespace osteon::session {
 /// figures depend on all frames since the first cut of the tool in use.
 class RecordedProcedure {
  public:
-  /// Starts reading. @param info  from the recording  @param X_WG  the bone's pose in the world
+  /// Starts reading. @param info session information of the recording @param X_WG pose of the bone in the
+  /// world
   /// @returns null if the recording belongs to no session, or the plan is not beside it
   [[nodiscard]] static std::unique_ptr<RecordedProcedure> Open(const std::filesystem::path& recording,
                                                                const io::SessionInfo& info, const Pose& X_WG);

@@ -16,7 +16,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages while it reads
+constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages during reading
 constexpr double kMinStep_s = 0.01;             // smallest width of a bin of the time line
 constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();  // value of a bin without ticks
 constexpr double kSame_s = 0.5e-3;  // ticks closer than half of the shortest period are simultaneous
@@ -51,7 +51,7 @@ struct LargestAt {
 // One of the two recordings, read up to one tick beyond the tick that is compared.
 struct Reader {
   RecordingTimeline timeline;
-  std::optional<control::TickRecord> tick{}, next{};  // the newest tick passed, and the tick after it
+  std::optional<control::TickRecord> tick{}, next{};  // the tick that is compared, and the tick after it
   double next_s{0.0};
   // figures of the newest frame before `tick`, and before `next`
   double removed_mm3{0.0}, next_removed_mm3{0.0}, depth_mm{kNoTick}, next_depth_mm{kNoTick};

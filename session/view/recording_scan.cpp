@@ -14,7 +14,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages while it reads
+constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages during reading
 
 // The events and the largest forces read so far.
 struct Seen {

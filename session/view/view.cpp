@@ -151,7 +151,7 @@ int RunView(const ViewOptions& options) {
   const double duration_s = longest.duration_s;
 
   RecordingScan scan(longest.file);
-  // the playback's state, with the error of either recording
+  // the state of the longer recording's playback, with the error of either recording
   const auto state = [&] {
     PlaybackState page_state = longest.playback.state();
     for (const auto& each : shown)  // look at both: either recording may be damaged

@@ -44,7 +44,7 @@ class ViewSurface {
  private:
   void Run();
   void Begin(const CarvedBone& from);  // shows this state, and reads on from its time
-  void GoNear(double wanted_s);        // jumps to another state if that is nearer
+  void GoNear(double wanted_s);        // jumps to a key state if that is nearer
   bool CarveOn(double wanted_s);       // reads on to a time; true: more is to be read
   void BeginFeed();                    // tells the feed that all bricks will be sent anew
   void Publish();                      // sends the bricks that have changed

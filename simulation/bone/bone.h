@@ -8,7 +8,8 @@
 
 namespace osteon::simulation {
 
-/// One ball of a packing, in G. Balls overlap; their union is the bone's solid.
+/// One ball of a packing, in G. In an overlapping packing the union of the balls is the bone; in a disjoint
+/// packing no balls overlap.
 struct Ball {
   PlainVector3 center_m;
   double radius_m{0.0};

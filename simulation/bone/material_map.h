@@ -31,11 +31,11 @@ class MaterialMap {
   [[nodiscard]] CellIndex CellOf(const Vector3& p_m) const;  // for a place outside the grid: the nearest cell
   [[nodiscard]] std::size_t IndexOf(const CellIndex& cell) const;
 
-  MaterialIndex only_{0};  ///< material of all points; the grid is empty then
+  MaterialIndex only_{0};  ///< if the grid is empty: material of all points
   Vector3 origin_m_{Vector3::Zero()};
   double side_m_{0.0};                ///< edge of a cell
   CellIndex size_{0, 0, 0};           ///< cells along each axis
-  std::vector<std::uint32_t> first_;  ///< first point of each cell; one more entry at the end
+  std::vector<std::uint32_t> first_;  ///< index in points_ of each cell's first point; then the end
   std::vector<Point> points_;         ///< sorted by cell
 };
 

@@ -12,7 +12,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kCosSixtyDegrees = 0.5;
-constexpr int kMaxRefinements = 5;   // steps from a sample to the wall's nearest point
+constexpr int kMaxRefinements = 5;   // largest number of steps from a sample to the wall's nearest point
 constexpr double kRefined_m = 1e-8;  // a shorter step along the wall ends the refinement
 
 // Index of the region's material in the bone. @throws std::invalid_argument if the bone has no such material

@@ -69,7 +69,7 @@ struct FidelityRequest {
 
 /// A scene: its solid, its materials, and how finely it is packed.
 struct SceneParams {
-  std::string name{"block"};  ///< name of a block; the other shapes have their own
+  std::string name{"block"};  ///< name of a block; other shapes have their own names
   SceneShape shape;
   SiteParams site;
   ZoneParams zone;
@@ -90,8 +90,8 @@ struct SceneSolid {
   std::string warning{};  ///< assumptions about a mesh that bounds no solid; empty: nothing was assumed
 };
 
-/// Makes the scene's generated solid. The site's centre is where its vertical line first meets the solid from
-/// above.
+/// Makes the scene's generated solid. The site's centre is the point where the vertical line through the
+/// site's (x, y) first meets the solid from above.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] SceneSolid MakeSceneSolid(const SceneParams& scene);
 
@@ -143,7 +143,8 @@ struct AcetabulumParams {
   std::vector<Material> materials{DefaultBoneMaterials()};  ///< the first three are those of BoneTissue
 };
 
-/// Makes a packed block with a hemispherical cup; G lies at the cup's centre, +z out of it.
+/// Makes a packed block with a hemispherical cup; G's origin is the cup's centre, its +z points out of the
+/// cup.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] Bone MakeAcetabulum(const AcetabulumParams& params);
 

@@ -13,10 +13,11 @@
 //
 //     pairs ─┬─▶ the nearest in each of 60 bins of direction ─┐
 //            │   the pairs that held the frame before        ─┴─▶ planes ─▶ nearest target ─▶ friction ─┐
-//            └─▶ lens-weighted sums about each face's normal ─▶ normal and point of the face ───────────┴─▶ contacts
+//            └─▶ lens-weighted sums about each face's normal ─▶ normal and point of the face ───────────┴─▶
+//            contacts
 //
 // The position comes from the pairs themselves, so it is exact. Direction and point of action are means over
-// the balls around, so they change smoothly while the tool passes from one ball to the next.
+// the surrounding pairs, so they change smoothly while the tool passes from one ball to the next.
 
 namespace osteon::simulation {
 
@@ -74,7 +75,7 @@ struct ContactInput {
   Matrix3 R_GT{Matrix3::Identity()};    ///< orientation of the tool's pose
   Vector3 motion_G_m{Vector3::Zero()};  ///< motion of T's origin, from first contact to the tool's pose
   Vector3 turn_G{Vector3::Zero()};      ///< rotation vector from first contact to the tool's pose
-  double friction{0.0};  ///< mu; 0 while the spindle turns, since the surface then slips along its own speed
+  double friction{0.0};  ///< mu; 0 while the spindle turns, because slip then follows the spindle's speed
 };
 
 /// The pairs that may hold the tool, without duplicates, and their gaps at first contact.

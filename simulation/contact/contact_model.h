@@ -34,7 +34,7 @@ enum class EngineStatus : std::uint8_t {
   kOverloaded,  ///< the tool's reach has more bone than the engine has memory for; the frame changed nothing
 };
 
-/// Result of a frame for the servo loop. Plain data, handed over through rt::LatestValue.
+/// Result of a frame for the servo loop. It is plain data and is passed through rt::LatestValue.
 struct ContactModel {
   PlainPose X_WP;                                ///< proxy: the tool's collision-free pose
   std::array<Contact, kMaxContacts> contacts{};  ///< the first contact_count entries are valid

@@ -46,7 +46,7 @@ OSTEON_CONST double kOppositeCosine = OSTEON_DECIMAL(-8, 10);
 /// Weight of the slack in the search for the constrained target (FindConstrainedGoal): planes that hold the
 /// target back by 10 mm yield by 10 nm.
 OSTEON_CONST double kHoldSlack = OSTEON_DECIMAL(1, 1000000);
-/// Tolerance to which a plane is kept [m]: floats resolve positions of 30 mm to 4 nm.
+/// A smaller violation of a plane is accepted [m]. It is larger than the resolution of floats, 4 nm at 30 mm.
 OSTEON_CONST double kViolated_m = OSTEON_DECIMAL(1, 100000000);
 /// Smallest pivot of the Gram matrix of unit normals. Below it, the normals count as linearly dependent.
 OSTEON_CONST double kMinPivot = OSTEON_DECIMAL(1, 100000000) / 100000;

@@ -51,7 +51,8 @@ inline constexpr double kNoContact = 2.0;
   return s <= 1.0 ? s : kNoContact;
 }
 
-/// Pass 2. Volume that two balls share (equation 4, with two squares that are missing in print).
+/// Pass 2. Volume that two balls share (equation 4 of the paper, corrected by two squares that are missing
+/// there); r1, r2: radii, d: distance of the centres.
 ///
 ///     V = pi (r1+r2-d)^2 (d^2 + 2d(r1+r2) - 3(r1-r2)^2) / (12 d)     |r1-r2| < d < r1+r2
 ///     V = 4/3 pi min(r1,r2)^3 for d <= |r1-r2| ;  0 for d >= r1+r2

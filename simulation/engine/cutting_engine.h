@@ -32,7 +32,7 @@ enum class RemovalLaw : std::uint8_t {
   kImmediate,  ///< up to the tool's pose in every frame, at any distance (the paper)
 };
 
-/// Which of the tool's cutting balls remove bone.
+/// The cutting balls of the tool that remove bone in a frame.
 enum class Cutters : std::uint8_t {
   kAll,            ///< all cutting balls, along the proxy's whole path
   kContactSphere,  ///< only the ball that touched first, at a tie the lowest index (the paper): leaves bone
@@ -56,8 +56,8 @@ struct CuttingParams {
   /// The tool is enlarged by this length for the lens-weighted normals. Planes are reported up to this gap.
   double normal_enlargement_m{0.24e-3};
   double contact_tolerance_m{0.02e-3};  ///< overlap that may remain when the tool slides over balls
-  /// Longest travel of the proxy in one frame, by its slide and, with the rate law, its advance. While the
-  /// tool cuts, a fifth of it is reserved for the advance (kSlideShare).
+  /// Longest travel of the proxy in one frame, by slide and, with the rate law, advance together. While the
+  /// tool cuts with the rate law, a fifth of it is reserved for the advance (kSlideShare).
   double max_slide_m{0.25e-3};
   double engaged_layer_m{0.5e-3};  ///< depth of the layer in which the engaged area is measured
   RemovalLaw law{RemovalLaw::kRate};

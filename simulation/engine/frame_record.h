@@ -4,7 +4,7 @@
 
 namespace osteon::simulation {
 
-/// One simulation frame as it is recorded. Plain data.
+/// The record of one simulation frame. Plain data.
 struct FrameRecord {
   ContactModel model;
   rt::Nanoseconds stamp{0};        ///< when the frame was published

@@ -47,7 +47,7 @@ struct FrameSolution {
   Vector3 delta{Vector3::Zero()};  ///< vector from the tool's pose to the constrained target
   Vector3 n{Vector3::Zero()};      ///< direction of the resultant of the cutting planes
   double cutting_m{0.0};           ///< length of the part of delta that the cutting planes cause
-  double advance_m{0.0};           ///< how far the bone gave way along -n
+  double advance_m{0.0};           ///< distance by which the bone gave way along -n
   double edge_work_J{0.0};         ///< work of the edge on chips in this frame
   double ploughing_work_J{0.0};    ///< work of the edge that takes no chip and removes no bone
   Vector3 step{Vector3::Zero()};   ///< step of the proxy into the yielding bone, after its slide
@@ -134,7 +134,7 @@ void BookRemoved(const CuttingParams& params, const std::vector<Material>& mater
                                        const MaterialMap& map, const Pose& X_WG, const FrameInput& input,
                                        const FrameSolution& solution, FrameMemory& memory);
 
-/// Adds the finished part k (from 0) of n to the whole frame's model.
+/// Adds the model of part k (0 … n - 1) of a frame to the model of the whole frame.
 void CombineParts(ContactModel& whole, const ContactModel& part, int k, int n);
 
 /// Computes a frame in n parts, each with 1 / n of the time. Several parts are needed if the tool turns so

@@ -34,7 +34,7 @@ std::vector<MassPoint> RoundPoints(std::vector<MassPoint> points) {
   return points;
 }
 
-// Path length of the tool point that moves farthest.
+// Returns the path length of the tool point that moves farthest.
 double LongestPath(const ToolPoints& from, const ToolPoints& to) {
   double longest = 0.0;
   for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
@@ -220,7 +220,7 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
       near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
-  // remembered pairs that the tool has left behind no longer constrain it
+  // remembered pairs whose gap has become large no longer constrain the tool
   for (NearPair& pair : near.remembered)
     pair.present = pair.present && pair.gap_m < params_.normal_enlargement_m;
   return near;

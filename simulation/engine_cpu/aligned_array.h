@@ -6,8 +6,8 @@
 
 namespace osteon::simulation::cpu {
 
-/// An array of plain data that begins at a cache line and never moves. It is allocated at set-up only, with
-/// kPadding more elements, since kernels read beyond the end.
+/// An array of plain data that begins at a cache line and never moves. It is allocated at set-up only. It has
+/// kPadding more elements, because kernels read beyond the end.
 template <class T>
 class AlignedArray {
  public:

@@ -30,7 +30,7 @@ class BoneStore {
   void SetChildBlocks(std::uint32_t count);
   [[nodiscard]] BallState BallAt(std::size_t ball) const;
   void PutBall(std::size_t ball, const BallState& state);
-  /// Read and write x y z r [mm], as in CarvedState.
+  /// These functions read and write a ball's x y z r [mm], the format of CarvedState.
   void ReadFloats(std::size_t ball, float* four) const;
   void WriteFloats(std::size_t ball, const float* four);
   [[nodiscard]] float RadiusOf(std::size_t ball) const { return blocks_[ball / 8].r[ball % 8]; }

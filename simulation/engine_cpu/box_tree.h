@@ -57,7 +57,7 @@ class BoxTree {
     }
   }
 
-  std::vector<std::vector<Node>> levels_;  // from the clusters up to the root
+  std::vector<std::vector<Node>> levels_;  // levels from the clusters up to the root
   std::vector<Node> first_level_;          // the clusters' level as built, for Reset
   std::uint32_t cluster_count_{0};
 };

@@ -37,7 +37,8 @@ class ClusterSearch {
   /// max_hits
   [[nodiscard]] bool Find(const Kernels& kernels, const BoxTree& tree, const ToolPlacement& at,
                           const ListReach& reach, bool cutting_only, NearClusters& found);
-  /// Tool balls that may be near the cluster clusters.cluster[place], ascending; valid until the next call.
+  /// Returns the tool balls that may be near the cluster clusters.cluster[place], ascending; valid until the
+  /// next call.
   [[nodiscard]] std::span<const std::uint16_t> ToolsNear(const Kernels& kernels, const BoxTree& tree,
                                                          const NearClusters& clusters, std::size_t place,
                                                          const RowMaker& maker);

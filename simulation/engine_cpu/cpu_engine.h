@@ -13,7 +13,7 @@
 namespace osteon::simulation {
 
 struct CpuParams {
-  /// One of CpuInstructionSets(); empty: the best that this processor has.
+  /// One of CpuInstructionSets(); empty: the best set that this processor has.
   std::string instruction_set{};
   bool brute_force{false};  ///< examine every pair in every pass, to check the neighbour lists
   bool look_ahead{true};    ///< build the next list in slices, while the present one is in use

@@ -9,7 +9,8 @@
 namespace osteon::simulation {
 namespace {
 
-// Result of a frame that needs more listed pairs than there is room for; the bone is unchanged.
+// Makes the result of a frame that needs more listed pairs than the lists have room for; the bone is
+// unchanged.
 ContactModel Overloaded() {
   ContactModel refused;
   refused.status = EngineStatus::kOverloaded;

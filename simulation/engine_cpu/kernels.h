@@ -19,7 +19,8 @@ struct Kernels {
   void (*between)(Places a, Places b, double s, std::uint32_t count, Places to);
   /// Computes the places of a, shifted by v [m].
   void (*shifted)(Places a, const double v[3], std::uint32_t count, Places to);
-  /// Largest distance between the places of the same ball in `a` and `b` [m], over balls first … last - 1.
+  /// Returns the largest distance between the places of the same ball in `a` and `b` [m], over balls first …
+  /// last - 1.
   double (*farthest)(Places a, Places b, std::uint32_t first, std::uint32_t last);
   /// Computes the vector from each place of a to the same place of b [mm].
   void (*ways)(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm);
@@ -31,7 +32,7 @@ struct Kernels {
   /// Returns the fraction of the path at which a bone ball and a tool ball touch; 2: no contact.
   double (*pair_contact)(const ContactPass& pass, std::uint32_t ball, std::uint32_t tool);
 
-  /// Finds the nearest pair of each bin of direction, and the sums about each face.
+  /// Finds the nearest pair of each bin of direction, and the sums over each face's cone.
   /// @param likely_place, likely_tool  pairs that are likely to be near; read in groups of eight
   void (*near_field)(NearFieldPass& pass, const std::uint32_t* likely_place, const std::uint32_t* likely_tool,
                      std::size_t likely_count);

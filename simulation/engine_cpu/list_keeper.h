@@ -24,7 +24,7 @@ class ListKeeper {
   [[nodiscard]] bool Serves(const ToolPlacement& at, const FrameReach& reach) const;
   /// The same test of the placement only, for a reach that Serves or MakeAt has already accepted.
   [[nodiscard]] bool Serves(const ToolPlacement& at) const { return brute_force_ || SkinUsed(at) <= 1.0; }
-  /// Builds the list at once. @returns false if there are more pairs than there is room for
+  /// Builds the list at once. @returns false if there are more pairs than the list has room for
   [[nodiscard]] bool MakeAt(const ToolPlacement& at, const FrameReach& reach);
   /// Builds a slice of the next list, once half of the skin is used. Call at the end of a frame.
   void MakeAhead(const ToolPlacement& at, const FrameReach& reach);

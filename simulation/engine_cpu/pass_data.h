@@ -73,7 +73,7 @@ struct ContactPass {
 
 inline constexpr std::size_t kBinCount = 60, kFaceCount = 4;
 
-/// Pass 2: the nearest pair of each bin of direction, and the sums about each face's normal.
+/// Pass 2: the nearest pair of each bin of direction, and the sums over the cone around each face's normal.
 struct NearFieldPass {
   const BallBlock* balls;
   PairRows rows;

@@ -18,10 +18,11 @@ namespace osteon::simulation::cpu {
 ///     the removal pass shrinks all other balls and children
 ///     touched children ─▶ End: stores the balls that were kept apart, and frees empty blocks
 ///
-/// A frame allocates memory only if a waiting ball notes another cut (SplitParams::blocks_per_frame > 0).
+/// A frame allocates memory only if a waiting ball records another cut (SplitParams::blocks_per_frame > 0).
 class SplitBlocks {
  public:
-  /// @throws std::invalid_argument naming the value of `params` that is not accepted.
+  /// Begins without split balls. @throws std::invalid_argument naming the value of `params` that is not
+  /// accepted.
   SplitBlocks(BoneStore& bone, const SplitParams& params);
 
   [[nodiscard]] const SplitParams& params() const { return splitter_.params(); }
@@ -42,7 +43,7 @@ class SplitBlocks {
   }
   [[nodiscard]] bool HasAnyIn(std::uint32_t cluster) const { return first_in_cluster_[cluster] >= 0; }
   [[nodiscard]] bool any_waiting() const { return !waiting_.empty(); }
-  /// Number of requests for a block that found none free.
+  /// Number of requests for a block when none was free.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
   /// Decides before the removal pass which balls are split.

@@ -83,7 +83,7 @@ class Sampler {
   }
 
  private:
-  // Whether the place is in the shape.
+  // Whether the point is in the shape.
   static bool Holds(const CarvedShape& shape, const Vector3& p) { return shape.Distance(p, kTouch) < kTouch; }
 
   const Solid& solid_;

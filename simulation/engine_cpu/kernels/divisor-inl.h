@@ -47,8 +47,8 @@ HWY_INLINE Three<V> Quotients(const Three<V>& a, const V& b) {
   const V reciprocal = Make<V>::Of(1.0) / b;
   return {Quotient(a.x, b, reciprocal), Quotient(a.y, b, reciprocal), Quotient(a.z, b, reciprocal)};
 }
-#else  // without fused multiply-adds; and with AVX-512, whose divisions are faster on Zen 4 (removal 78 us
-       // instead of 85)
+#else  // for sets without fused multiply-adds, and AVX-512, whose divisions are faster on Zen 4 (removal 78
+       // us, not 85)
 template <class V>
 HWY_INLINE Three<V> Quotients(const Three<V>& a, const V& b) {
   return {a.x / b, a.y / b, a.z / b};

@@ -1,4 +1,4 @@
-// Eight pairs of a list as doubles.
+// Loads eight pairs of a list as doubles.
 #if defined(OSTEON_CPU_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_PAIRS_INL_H
 #undef OSTEON_CPU_PAIRS_INL_H
