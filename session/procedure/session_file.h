@@ -18,8 +18,7 @@
 //     DIR/session.json   this file, replaced as a whole whenever its content changes
 //         plan.yaml      the plan as it was read
 //         run_1.mcap     a recording for each start of the session (`--resume` begins run_2.mcap)
-//         state_1.carved carved states (simulation/files/carved_file.h), numbered as they were saved; never
-//         overwritten
+//         state_1.carved carved states (simulation/files/carved_file.h), numbered as they were saved; never overwritten
 
 namespace osteon::session {
 

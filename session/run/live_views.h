@@ -59,8 +59,7 @@ struct LiveRun {
 /// local socket.
 ///
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
-///                                                                   └──▶ OperatorRequests ──▶ the state
-///                                                                   machine
+///                                                                   └──▶ OperatorRequests ──▶ the state machine
 ///
 /// A request cannot raise a limit or skip a condition of motion: the state machine decides whether it is
 /// allowed.

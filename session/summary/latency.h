@@ -58,8 +58,7 @@ struct LatencyContext {
 ///     sensor   age of the reading that the tick used, by its stamp, and the sensor's own delay
 ///     link     from the arrival of the arm's message to the loop's wake-up
 ///     tick     from the wake-up to the answer
-///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead
-///     time
+///     arm      the delay d that minimises |q_meas[k] - q_cmd[k - d]|^2 over all joints while they move: dead time
 ///              and the servo's lag in slow motion, by what came back; for forces added to the
 ///              arm's impedance: their dead time
 ///     model    age of the pose that the contact model was computed for, while rendering

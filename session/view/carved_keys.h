@@ -53,8 +53,7 @@ struct CarvedBone {
 /// States of the carved bone at times all along a recording, made in the background. The bone at any time is
 /// then found by carving a few seconds on from the last state before that time.
 ///
-///     0 ──────key──────key──────key─ ─ ─ ─▶ end      at most kMaxKeys, and kMaxBytes; else every second one
-///     is
+///     0 ──────key──────key──────key─ ─ ─ ─▶ end      at most kMaxKeys, and kMaxBytes; else every second one is
 ///                        └──carve on──▶ wanted        dropped, and the next ones are twice as far apart
 class CarvedKeys {
  public:

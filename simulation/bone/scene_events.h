@@ -14,7 +14,7 @@
 
 namespace osteon::simulation {
 
-/// A region of tissue that the tool should avoid, or should reach. The first contact with it is an event.
+/// A region of tissue that the tool should avoid, or should reach. That the cut reaches it is an event.
 struct RegionWatch {
   std::string name;      ///< the event is "NAME reached"
   std::string material;  ///< one of the bone's materials; the region is all tissue of this material

@@ -13,8 +13,7 @@
 //
 //     pairs ─┬─▶ the nearest in each of 60 bins of direction ─┐
 //            │   the pairs that held the frame before        ─┴─▶ planes ─▶ nearest target ─▶ friction ─┐
-//            └─▶ lens-weighted sums about each face's normal ─▶ normal and point of the face ───────────┴─▶
-//            contacts
+//            └─▶ lens-weighted sums about each face's normal ─▶ normal and point of the face ───────────┴─▶ contacts
 //
 // The position comes from the pairs themselves, so it is exact. Direction and point of action are means over
 // the surrounding pairs, so they change smoothly while the tool passes from one ball to the next.
