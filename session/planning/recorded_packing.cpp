@@ -11,7 +11,7 @@
 namespace osteon::session {
 namespace {
 
-// Bounds of the numbers that are accepted from a recording; no plan exceeds them.
+// Bounds of the lengths of a packing that are accepted from a recording; no plan exceeds them.
 constexpr double kFinest_m = 0.01e-3, kCoarsest_m = 40e-3, kDeepest_m = 1.0, kMaxDemand_m = 5e-3;
 constexpr std::uint32_t kMaxChildren = 1000;
 
@@ -21,7 +21,7 @@ std::string BallsChecksum(const std::vector<simulation::Ball>& balls) {
       std::string(reinterpret_cast<const char*>(balls.data()), balls.size() * sizeof(simulation::Ball)));
 }
 
-// Makes the record of a packing's level and balls, without demands and predictions.
+// Makes a packing record that has the packing's level and balls, but no demanded and no predicted figures.
 io::PackingRecord RecordOf(const simulation::PackingLevel& level,
                            const std::vector<simulation::Ball>& balls) {
   return {.kind = static_cast<std::uint32_t>(level.kind),

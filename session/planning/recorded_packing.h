@@ -12,21 +12,21 @@
 
 namespace osteon::session {
 
-/// Makes the record of a planned cell's packing. @param setup  has a plan
+/// Makes the record of a planned cell's packing. @param setup  must have a plan
 [[nodiscard]] io::PackingRecord MakePackingRecord(const CellSetup& setup);
-/// Makes the record of a coarser packing that has replaced the cell's during the run.
+/// Makes the record of a coarser packing that replaced the cell's packing during the run.
 [[nodiscard]] io::PackingRecord MakePackingRecord(const Rezoned& rezoned);
 
 /// Returns the level of a recorded packing. The error names the number, what was found and what is accepted.
 [[nodiscard]] tl::expected<simulation::PackingLevel, std::string> LevelOf(const io::PackingRecord& packing);
 
-/// Says how a bone's balls differ from the recorded packing's, as they do after a change of the packing's
-/// code; empty: they are the same.
+/// Says how a bone's balls differ from those of the recorded packing; empty: they are the same. They differ
+/// if the packing code has changed since the recording was made.
 [[nodiscard]] std::string DescribeOtherBalls(const io::PackingRecord& packing, const simulation::Bone& bone);
 
-/// Packs the bone of a recorded cell as its run did, and sets tool, cutting and plan to the run's. Without a
-/// recorded packing the scene's own is used. A loaded bone stays. If the balls differ from the run's,
-/// `setup.bone_warning` says so.
+/// Packs the bone of a recorded cell as its run did, and sets tool, cutting parameters and plan to those of
+/// the run. Without a recorded packing, the bone is packed as the scene's file says. A bone that was loaded
+/// from a packing file stays. If the balls differ from those of the run, `setup.bone_warning` says so.
 /// @returns an error if no packing can be made from the recorded numbers.
 [[nodiscard]] tl::expected<void, std::string> PackAsRecorded(CellSetup& setup,
                                                              const std::optional<io::PackingRecord>& packing);

@@ -13,7 +13,8 @@
 namespace osteon::session {
 namespace {
 
-/// Reads the second of the file's three numbers, the time waited [ns]; 0 if there is none.
+/// Reads a thread's time waited [ns], the second of the three numbers in its schedstat file; 0 if the file
+/// has none.
 long long WaitedNs(int file) {
   std::array<char, 96> text{};
   const ssize_t read = ::pread(file, text.data(), text.size(), 0);

@@ -12,7 +12,7 @@
 namespace osteon::session {
 namespace {
 
-// Tool of the last pass that was not undone; empty if there is none.
+// Index of the tool of the last pass that was not undone; empty if there is none.
 std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   std::optional<int> last;
   for (const SessionPass& pass : passes)
@@ -20,7 +20,8 @@ std::optional<int> LastToolOf(std::span<const SessionPass> passes) {
   return last;
 }
 
-// Whether a metric cannot be known yet.
+// Whether a metric's value is not known yet: it needs all recordings of the session, or a pass of the last
+// tool, which has none yet.
 bool IsOpen(const procedure::Metric& metric, bool last_tool_has_cut) {
   switch (metric.known) {
     case procedure::MetricKnown::kWithAnyCut:
@@ -33,7 +34,7 @@ bool IsOpen(const procedure::Metric& metric, bool last_tool_has_cut) {
   return !last_tool_has_cut;
 }
 
-// Makes the message's row of an item. @param open  its value cannot be known yet
+// Makes an item's row in the message. @param open its value cannot be known yet
 nlohmann::json ItemJson(const procedure::ScoredItem& scored, bool open) {
   const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
   return {{"metric", scored.item.metric},
@@ -72,7 +73,7 @@ void LiveScore::AddFrame(int tool, const simulation::ContactModel& model, double
   if (begins) open_ = Trace{};
   if (!cut_.Step(model, spindle_rad_per_s)) return;
   const Pose X_GP = params_.X_WG.inverse() * Pose(model.X_WP);
-  // the head's centre lies half a diameter behind the tool's tip, against the feed
+  // the head's centre lies half a diameter behind the apex, against the feed
   const Vector3 feed = X_GP.linear().col(2);
   const double radius_m = 0.5 * params_.plan.tools[static_cast<std::size_t>(tool)].diameter_m;
   const Vector3 head_m = X_GP.translation() - radius_m * feed;
@@ -89,7 +90,7 @@ bool LiveScore::SetState(std::shared_ptr<const simulation::CarvedState> state,
                          std::vector<SessionPass> passes, const std::optional<PlainPose>& cup_X_GT,
                          bool guided, rt::Nanoseconds stamp) {
   const std::lock_guard lock(mutex_);
-  // with a cup the score is always renewed, since the cup's pose may differ
+  // with a placed cup the score is always renewed, since the cup may have been placed again in another pose
   if (newest_ && newest_->state == state && newest_->passes.size() == passes.size() &&
       newest_->cup_X_GT.has_value() == cup_X_GT.has_value() && newest_->guided == guided && !cup_X_GT)
     return false;
@@ -137,7 +138,7 @@ ScoreSoFar LiveScore::Measure(const Input& input) const {
   }
   if (axis_known) assessment.axis_G = axis.value();
   assessment.min_wall_m = walls.min_wall_m();
-  if (input.cup_X_GT) {  // the axis of the placed cup counts instead of the reamed one
+  if (input.cup_X_GT) {  // score the placed cup's axis instead of the reamed axis
     assessment.axis_G = -Pose(*input.cup_X_GT).linear().col(2);
     assessment.axis_of_cup = true;
   }

@@ -26,15 +26,16 @@ struct ScoreSoFar {
   procedure::Score score;   ///< an open item has no value and no points
   std::vector<bool> open;   ///< for each of score.items: the item has no value yet
   double open_points{0.0};  ///< weights of the open items
-  std::string unfinished;   ///< what is left of the plan; empty: nothing
+  std::string unfinished;   ///< what is left to do of the plan; empty: nothing
 };
 
 /// Scores the items that are known now (procedure::ScoreOf), and leaves three kinds open: items that the last
-/// tool decides, until it has a pass that counts; items of the whole session's recordings; values that could
-/// not be measured. So the total is never above that of `osteon assess` for the same passes and rubric.
-/// @param passes  of the session, including undone ones
-/// @param assessment  of the state after them; its process figures are not used
-/// @param walls_known  false: the walls that some pass left are not known, and a breach is assumed
+/// tool decides, until that tool has a pass that was not undone; items that need all recordings of the
+/// session; items whose values could not be measured. So the total is never above that of `osteon assess` for
+/// the same passes and rubric.
+/// @param passes  all passes of the session, including undone ones
+/// @param assessment  of the bone after these passes; its process figures are not used
+/// @param walls_known  false: the walls beside some pass are not known, and a breach is assumed
 [[nodiscard]] ScoreSoFar ScoreOfNow(const procedure::SurgicalPlan& plan, const procedure::Rubric& rubric,
                                     std::span<const SessionPass> passes,
                                     const procedure::Assessment& assessment, bool walls_known);
@@ -43,15 +44,16 @@ struct ScoreSoFar {
 struct LiveScoreParams {
   procedure::SurgicalPlan plan;
   std::optional<procedure::Rubric> rubric{};  ///< absent: no score is given
-  std::string without_rubric{};               ///< why it is absent
-  const simulation::Bone* bone{nullptr};      ///< uncut; outlives this
-  const simulation::Solid* solid{nullptr};    ///< null: walls are not watched
-  simulation::SceneEventParams walls{};       ///< limits of the plan's scene, by which walls are watched
+  std::string without_rubric{};               ///< why the rubric is absent
+  const simulation::Bone* bone{nullptr};      ///< the uncut bone; must outlive this object
+  const simulation::Solid* solid{nullptr};    ///< the bone's solid; null: walls are not watched
+  simulation::SceneEventParams walls{};       ///< the plan's scene limits for the watched walls
   Pose X_WG{Pose::Identity()};
 };
 
 /// The score of a running session, computed as `osteon assess` does. The score is that of the bone after the
-/// last pass that counts; bone cut since then is not included. The age in the message is that of this bone.
+/// last pass that was not undone; bone cut since then is not included. The age in the message is that of this
+/// bone.
 ///
 ///     frames' thread ──AddFrame, EndPass, SetState──▶ [newest state] ──Update──▶ message ──Json──▶ pages
 ///
@@ -65,25 +67,26 @@ class LiveScore {
   /// Adds a frame to the open pass.
   /// @param tool  index in the plan  @param begins  the frame is the first one of a pass
   void AddFrame(int tool, const simulation::ContactModel& model, double spindle_rad_per_s, bool begins);
-  /// Ends the open pass. @param number  of its SessionPass
+  /// Ends the open pass. @param number  SessionPass::number of this pass
   void EndPass(int number);
-  /// Sets the bone that is to be scored. @param stamp  of the newest frame  @param guided  a part was guided
+  /// Sets the bone that is to be scored. @param stamp stamp of the newest frame @param guided guidance was on
+  /// in a part of the session
   /// @returns whether an Update is due: the input has changed, and there is a rubric
   bool SetState(std::shared_ptr<const simulation::CarvedState> state, std::vector<SessionPass> passes,
                 const std::optional<PlainPose>& cup_X_GT, bool guided, rt::Nanoseconds stamp);
 
-  /// Scores the newest bone, unless that is already done. Any thread but the frames'.
+  /// Scores the newest bone, unless that is already done. Call it from any thread but the frames' thread.
   void Update();
 
-  /// {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.
-  /// @param now  stamp of the newest frame  @param in_pass  a pass is open, which the score lacks
+  /// Makes the message {"type": "score", …}; console/web/src/messages.ts has its fields. Any thread.
+  /// @param now  stamp of the newest frame  @param in_pass a pass is open, which the score does not include
   [[nodiscard]] std::string Json(rt::Nanoseconds now, bool in_pass) const;
 
  private:
-  // The cut of a pass, as its score needs it.
+  // The facts about a pass's cut that the score needs.
   struct Trace {
     procedure::ReamedAxis axis;
-    std::vector<Vector3> heads_m;  // kWallStep_m apart, where bone was removed
+    std::vector<Vector3> heads_m;  // centres of the head where bone was removed, at least kWallStep_m apart
   };
   // A state of the session that is to be scored.
   struct Input {
@@ -92,21 +95,21 @@ class LiveScore {
     std::optional<PlainPose> cup_X_GT;
     bool guided{false};
     rt::Nanoseconds stamp{0};
-    std::map<int, std::shared_ptr<const Trace>> traces;  // by the passes' numbers
+    std::map<int, std::shared_ptr<const Trace>> traces;  // traces of the passes, by pass number
   };
   // Measures the bone and the walls of a state, and scores it.
   [[nodiscard]] ScoreSoFar Measure(const Input& input) const;
 
   const LiveScoreParams params_;
-  CutDetector cut_;                                     // of the frames' thread, as the next two
-  Trace open_;                                          // of the open pass
-  std::map<int, std::shared_ptr<const Trace>> traces_;  // of the ended passes, by their numbers
+  CutDetector cut_;                                     // the frames' thread alone uses it and the next two
+  Trace open_;                                          // trace of the open pass
+  std::map<int, std::shared_ptr<const Trace>> traces_;  // traces of the ended passes, by pass number
 
   std::mutex measuring_;                   // one Update at a time
-  mutable rt::InheritingMutex mutex_;      // of what follows; the frames' thread takes it, and pages' threads
-  std::shared_ptr<const Input> newest_;    // to be scored
+  mutable rt::InheritingMutex mutex_;      // guards the members below, for the frames' and pages' threads
+  std::shared_ptr<const Input> newest_;    // the newest input, which is to be scored
   std::shared_ptr<const Input> measured_;  // the last input that was scored
-  ScoreSoFar score_;                       // of measured_
+  ScoreSoFar score_;                       // score of measured_
 };
 
 }  // namespace osteon::session

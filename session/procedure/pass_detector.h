@@ -5,22 +5,22 @@
 
 namespace osteon::session {
 
-/// A tool that has touched no bone for this long has ended its pass.
+/// A pass ends after the tool has touched no bone for this long.
 inline constexpr rt::Nanoseconds kClearOfPass = rt::kSecond / 2;
 
-/// Longest time from one frame to the next that counts as cutting time [s]: a longer gap, which is a stall of
-/// the simulation, counts as this much.
+/// Longest time from one frame to the next that is added to the cutting time [s]. Of a longer gap, which is a
+/// stall of the simulation, only this much is added.
 inline constexpr double kMaxFrameGap_s = 0.1;
 
-/// Decides in which frames bone is removed, by one rule for a session's passes and for its assessment:
+/// Decides in which frames bone is removed. A session's passes and its assessment both use this rule:
 ///
 ///     spindle turns, and (more volume is gone than in the frame before, or the bone gives way)
 ///
-/// Mass points vanish one by one. In a slow cut, frames between two such points count as well: the cut face
-/// advances, though no volume is gone yet.
+/// Mass points vanish one by one. In a slow cut, frames between two such points are also frames in which bone
+/// is removed: the cut face advances, although no volume is gone yet.
 class CutDetector {
  public:
-  /// Takes the next frame. @param spindle_rad_per_s  of the command for this frame
+  /// Takes the next frame. @param spindle_rad_per_s  spindle speed in the command for this frame
   /// @returns whether bone is removed in this frame; false for a frame with an error
   bool Step(const simulation::ContactModel& model, double spindle_rad_per_s);
   /// Begins again: the next frame is the first of another state of the bone.
@@ -41,7 +41,8 @@ class PassDetector {
  public:
   enum class Change { kNone, kBegan, kEnded };
 
-  /// Takes the next frame. @param stamp  of its pose  @param spindle_rad_per_s  of the command for this frame
+  /// Takes the next frame. @param stamp  stamp of its pose  @param spindle_rad_per_s  spindle speed in the
+  /// command for this frame
   /// @returns whether a pass has begun or ended
   Change Step(const simulation::ContactModel& model, rt::Nanoseconds stamp, double spindle_rad_per_s);
   /// Ends the pass now. The next frame is the first of another state of the bone.
@@ -50,9 +51,9 @@ class PassDetector {
   [[nodiscard]] bool open() const { return open_; }
   /// Whether the last frame had no contact.
   [[nodiscard]] bool clear() const { return clear_; }
-  // of the open pass, or of the one that has just ended
+  // the following values are those of the open pass or, if none is open, of the last pass
   [[nodiscard]] rt::Nanoseconds begin() const { return begin_; }
-  /// Time of the frames in which bone was removed (CutDetector).
+  /// Total time of the frames in which bone was removed (CutDetector).
   [[nodiscard]] double cutting_s() const { return cutting_s_; }
   [[nodiscard]] double removed_m3() const { return cut_.removed_m3() - removed_at_begin_m3_; }
 

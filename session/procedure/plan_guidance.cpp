@@ -15,7 +15,7 @@ using procedure::GuidanceCeilings;
 // A tool is a planned reamer if their diameters differ by less than this.
 constexpr double kSameDiameter_m = 1e-6;
 
-// The reader of a plan has the same bounds as the loop.
+// The parser of a plan accepts the same gains as the servo loop.
 static_assert(GuidanceCeilings::kConeStiffness_Nm_per_rad == control::kMaxConeStiffness_Nm_per_rad);
 static_assert(GuidanceCeilings::kConeCap_Nm == control::kMaxConeTorque_Nm);
 static_assert(GuidanceCeilings::kLateralStiffness_N_per_m == control::kMaxLateralStiffness_N_per_m);

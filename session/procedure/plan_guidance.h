@@ -9,13 +9,13 @@
 #include "procedure/plan/surgical_plan.h"
 #include "simulation/tools/tool.h"
 
-// From a surgical plan to the guidance of the servo loop.
+// Converts a surgical plan into the guidance of the servo loop.
 
 namespace osteon::session {
 
 /// Makes the guidance of one tool of a plan for the loop; nothing if the plan has no guidance.
 /// @param X_WG  the bone's frame in the world
-/// @throws std::invalid_argument if a gain is beyond what is accepted (control::Validate).
+/// @throws std::invalid_argument if a gain is outside its accepted range (control::Validate).
 [[nodiscard]] std::optional<control::GuidanceParams> GuidanceOf(const procedure::SurgicalPlan& plan,
                                                                 const procedure::PlannedTool& tool,
                                                                 const Pose& X_WG);
@@ -27,7 +27,7 @@ namespace osteon::session {
 
 /// Makes the JSON that a recording keeps; GuidanceFromJson returns the same bits.
 [[nodiscard]] nlohmann::json ToJson(const control::GuidanceParams& guidance);
-/// @throws nlohmann::json::exception, std::invalid_argument
+/// Reads the guidance from a recording's JSON. @throws nlohmann::json::exception, std::invalid_argument
 [[nodiscard]] control::GuidanceParams GuidanceFromJson(const nlohmann::json& json);
 
 }  // namespace osteon::session

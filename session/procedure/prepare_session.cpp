@@ -29,34 +29,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSameSize_m = 1e-6;  // radii that differ by less are of the same reamer
+constexpr double kSameSize_m = 1e-6;  // a reamer is the same if the radii differ by less
 
-// The hand of a novice. Its axis is 14 ± 7 degrees off (PMC6494316). Reaming without guidance moves the
-// centre by 3.7 ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120). So the hand aims 6 mm aside,
-// of which the cup's walls leave about 4 mm, and aims at a floor 5 mm too deep. The arm of an unsure person
-// stiffens by kStiffnessFactor to 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h).
-// The hand presses with 140 N, near the hand's own limit, until it gives up (assumed). Its target lies
-// kPastPlan_m below that floor.
+// The hand of a novice. Its axis deviates by 14 ± 7 degrees from the planned axis (PMC6494316). Reaming
+// without guidance moves the centre by 3.7 ± 2.6 mm superiorly and 5.0 ± 3.3 mm medially (PMID 27909120). So
+// the simulated hand aims 6 mm to the side; the cup's walls hold it back, and about 4 mm remain. It aims at a
+// floor 5 mm too deep. An unsure person's arm stiffens by kStiffnessFactor to 8 N/mm; published values reach
+// 10 N/mm (hil/operator/operator_hand.h). The hand presses with 140 N, near its own limit, until it gives up
+// (assumed). Its target lies kPastPlan_m below the floor at which it aims.
 struct NoviceHand {
   static constexpr double kTilt_rad = 14.0 * std::numbers::pi / 180.0, kAside_m = 0.006, kTooDeep_m = 0.005;
   static constexpr double kStiffnessFactor = 4.0, kPush_N = 140.0, kPastPlan_m = 0.020;
 };
 
-// A novice with a burr: the same figures, and the factor on the force of the cell's script. All are assumed:
-// in a tooth, the errors of unguided hands are of the size of the burr.
+// The hand of a novice with a burr. Its fields mean the same as those of NoviceHand; kPushFactor multiplies
+// the push force of the cell's script. All values are assumed: in a tooth, the errors of unguided hands are
+// as large as the burr.
 struct NoviceBurr {
   static constexpr double kTilt_rad = 10.0 * std::numbers::pi / 180.0, kAside_m = 0.0008, kTooDeep_m = 0.001;
   static constexpr double kPushFactor = 1.5, kPastPlan_m = 0.001;
 };
-// A hand that leads a burr rests its fingers on the teeth. This makes it stiffer by kFingerRestFactor, as
-// stiff as an arm of 8 N/mm, where up to 10 N/mm were published (hil/operator/operator_hand.h). The hand
-// leads the burr a little beyond the planned circle, so that it still presses when the burr has reached the
-// circle; along the axis an expert stops pressing a little beyond the plan. Both distances are assumed.
+// A hand that leads a burr rests its fingers on the teeth. This makes the hand stiffer by kFingerRestFactor,
+// to 8 N/mm; published values reach 10 N/mm (hil/operator/operator_hand.h). The hand leads the burr a little
+// beyond the planned circle, so that it still presses when the burr has reached the circle; kLead_m is this
+// distance. Along the axis an expert stops pressing kExpertPastPlan_m beyond the plan. Both distances are
+// assumed.
 constexpr double kFingerRestFactor = 4.0, kExpertPastPlan_m = 0.1e-3, kLead_m = 0.3e-3;
-constexpr double kClearOfOpening_m = 3e-3;  // a burr this far over the opening's rim counts as retracted
+constexpr double kClearOfOpening_m = 3e-3;  // a burr is retracted if it is this far over the opening's rim
 
-// Returns the frame of the plan in G: origin at the plan's centre, +z along its axis, x and y as near to G's
-// as possible.
+// Returns the frame of the plan in G: origin at the plan's centre, +z along its axis, x and y as near to the
+// axes of G as possible.
 Pose PlanFrame(const procedure::SurgicalPlan& plan) {
   Pose X_GC = Pose::Identity();
   X_GC.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), plan.axis_G).toRotationMatrix();
@@ -116,7 +118,7 @@ std::string ValidateNewSession(const fs::path& folder) {
 }
 
 tl::expected<double, std::string> GainFrom(const fs::path& folder, const std::string& plan_checksum) {
-  constexpr double kLessForEach = 0.25;  // part of the gain that each passed session takes away
+  constexpr double kLessForEach = 0.25;  // each passed session reduces the gain by this much
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return tl::make_unexpected(
@@ -186,7 +188,7 @@ tl::expected<Procedure, std::string> OpenProcedure(const ProcedureChoice& choice
     return tl::make_unexpected(std::move(wrong));
   std::set<std::string> recordings;
   for (const SessionSegment& segment : made.file.segments) recordings.insert(segment.recording);
-  // count also recordings that session.json does not name, so that none is overwritten
+  // include recordings that session.json does not name, so that none is overwritten
   const int last = std::max(static_cast<int>(recordings.size()),
                             LastNumber(choice.session, kRecordingPrefix, kRecordingEnding));
   made.recording = fmt::format("{}{}{}", kRecordingPrefix, last + 1, kRecordingEnding);
@@ -208,8 +210,8 @@ int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell
 
 namespace {
 
-// Sets script and hand for an opening: the heights count from the rim, the hand is stiffer, leads the burrs
-// around the planned circle, and presses with the force of the cell's own script.
+// Sets script and hand for an opening: the script's heights are measured from the rim, the hand is stiffer,
+// leads the burrs around the planned circle, and presses with the force of the cell's own script.
 // @param first  index of the first tool  @param rim_m  height of the rim over the plan's centre
 void LeadBurrs(const procedure::SurgicalPlan& plan, std::size_t first, double rim_m, double push_force_N,
                hil::ProcedureScriptParams& script, hil::OperatorHandParams& hand) {
@@ -255,7 +257,7 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
     LeadBurrs(plan, static_cast<std::size_t>(first), RimOver(plan, site), push_force_N, script,
               cell.simulated.hand);
   script.coupling_N_per_m = cell.servo.coupling.max_stiffness_N_per_m;
-  // at an opening, a stiff hand leads the burr to its depth
+  // at an opening even an expert does not watch the plan: the stiff hand leads the burr to its depth
   script.sees_plan = hand != "novice" && !is_opening;
   if (script.sees_plan) {
     script.push_force_N = push_force_N;
@@ -269,7 +271,8 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
     script.push_force_N *= NoviceBurr::kPushFactor;
   } else if (hand == "novice") {
     const Vector3 superior_C = PlanFrame(plan).linear().transpose() * plan.pelvis.superior;
-    // the script's x, to which side the hand is aside, becomes superior; the tool keeps its yaw
+    // turn the script's x axis, along which the hand deviates, to the superior direction; the tool keeps its
+    // yaw
     const double turn_rad = std::atan2(superior_C.y(), superior_C.x());
     script.X_WC = Pose(script.X_WC) * Eigen::AngleAxisd(turn_rad, Vector3::UnitZ());
     script.tool_yaw_rad += turn_rad;
@@ -327,7 +330,7 @@ tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
   }
   const simulation::Tool& in_use = tools[static_cast<std::size_t>(procedure.tools.first)].tool;
   if (procedure.tools.first != 0) {
-    // the cell's engine is for the first reamer: a resumed session may continue with a later one
+    // the cell's engine was made for the first reamer, but the resumed session continues with a later one
     auto engine_in_use = MakeEngine(engine_choice, setup.bone, in_use, setup.X_WG, setup.config.cutting);
     if (!engine_in_use) return tl::make_unexpected(engine_in_use.error());
     engine = std::move(*engine_in_use);

@@ -23,14 +23,15 @@ struct ProcedureChoice {
   bool resume{false};
   /// The simulated operator's hand: "expert", or "novice" (UseHandOfPlan).
   std::string hand{"expert"};
-  /// The mesh for which the plan was made, in place of the cell's bone; absent: the bone is the cell's.
+  /// The mesh for which the plan was made. It replaces the cell's bone; absent: the cell's bone is used.
   std::optional<MeshChoice> mesh{};
-  /// Gain of the plan's guidance, 0 … 1; absent: the plan's own with a person's hand, 0 with a simulated one.
+  /// Gain of the plan's guidance, 0 … 1. If it is absent, a real person gets the plan's own gain, and a
+  /// simulated hand gets 0.
   std::optional<double> guidance{};
-  /// Folder of a trainee's sessions: the gain is 1, and a quarter less for each session that passed
-  /// (GainFrom). Empty: `guidance` counts.
+  /// Folder of a trainee's sessions: the gain is 1, reduced by a quarter for each session that passed
+  /// (GainFrom). Empty: `guidance` applies.
   std::filesystem::path gain_from{};
-  /// The run is in virtual time: no date or time of the clock is written.
+  /// The run is in virtual time, so no date and no clock time is written.
   bool virtual_time{false};
 };
 
@@ -40,16 +41,17 @@ struct Procedure {
   std::string plan_text;
   SessionFile file;
   std::filesystem::path folder;
-  /// The plan's first reamer: the cell is set up and its bone packed with it, however far the session is.
+  /// The plan's first reamer: the cell is set up and its bone packed for it, even if the resumed session is
+  /// already at a later reamer.
   config::ToolChoice tool;
   config::ToolChoice in_use;  ///< the reamer that the run begins with
   ToolList tools;
   std::string recording;           ///< name of the recording's file in the folder: run_1.mcap
-  std::optional<MeshChoice> mesh;  ///< as chosen, with the plan's cup
-  std::optional<double> guidance;  ///< as chosen, or by the sessions of gain_from
+  std::optional<MeshChoice> mesh;  ///< the chosen mesh, with the plan's cup
+  std::optional<double> guidance;  ///< the chosen gain, or the gain from the sessions in gain_from
 };
 
-/// Reads plan and session. @param tool  replaces the cell's tool; the plan's reamers are sizes of it
+/// Reads plan and session. @param tool replaces the cell's tool; the plan's reamers are sizes of this tool
 /// The error says why the procedure is refused: a folder is in use, or the plan is not the session's.
 /// @throws config::ConfigError
 [[nodiscard]] tl::expected<Procedure, std::string> OpenProcedure(
@@ -58,8 +60,8 @@ struct Procedure {
 
 /// Makes the session of a packed cell that has procedure.tool: loads the tools, prepares the cell for them,
 /// and puts the engine into the last saved state.
-/// @param[in,out] engine  before: for the cell's tool; afterwards: for the tool in use
-/// @param setup  outlives the session; its configuration for the recording gets the tools
+/// @param[in,out] engine  in: made for the cell's tool; out: made for the tool in use
+/// @param setup  must outlive the session; the tools are added to its configuration for the recording
 /// @param simulated  a scripted operator reams, and the buttons are pressed by a script as well
 [[nodiscard]] tl::expected<std::unique_ptr<ProcedureSession>, std::string> MakeSession(
     const Procedure& procedure, const ProcedureChoice& choice, const std::filesystem::path& cell_yaml,
@@ -69,14 +71,15 @@ struct Procedure {
 /// Returns the height of the bone's site over the plan's centre, along the plan's axis [m].
 [[nodiscard]] double RimOver(const procedure::SurgicalPlan& plan, const simulation::CutSite& site);
 
-/// An expert pushes the last reamer, whose whole head cuts, until it has reached the plan: this push lasts
-/// this many times as long as the push of each other reamer (assumed).
+/// Duration of an expert's push with the last reamer, as a multiple of the duration with each other reamer
+/// (assumed). The last reamer cuts with its whole head, and the expert pushes until it has reached the
+/// planned depth.
 inline constexpr double kExpertLastPush = 4.0;
 
 /// Gives a simulated cell the scripted operator of a plan, from the tool `first` on. The expert follows the
-/// plan. The novice at a cup is tilted by 14 degrees, aims 6 mm aside toward superior and 5 mm too deep, and
-/// presses with 140 N and an arm four times as stiff. With a burr, the novice is tilted by 10 degrees, aims
-/// 0.8 mm aside and 1 mm too deep, and presses with 1.5 times the force.
+/// plan. At a cup, the novice tilts the tool by 14 degrees, aims 6 mm too far superior and 5 mm too deep, and
+/// presses with 140 N and an arm four times as stiff. With a burr, the novice tilts the tool by 10 degrees,
+/// aims 0.8 mm to the side and 1 mm too deep, and presses with 1.5 times the script's force.
 /// @param X_WG  bone in the world  @param site  of the bone, in G  @param[in,out] cell  its script and its
 /// hand
 void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand, const Pose& X_WG,
@@ -84,7 +87,7 @@ void UseHandOfPlan(const procedure::SurgicalPlan& plan, const std::string& hand,
 /// Returns the index of the plan's reamer that is the cell's tool; 0 if the cell has another tool.
 [[nodiscard]] int ReamerOf(const procedure::SurgicalPlan& plan, const config::CellConfig& cell);
 
-/// Computes the gain of the guidance after a trainee's sessions of a plan: 1, and a quarter less for each
+/// Computes the gain of the guidance after a trainee's sessions of a plan: 1, reduced by a quarter for each
 /// session that passed, but not below 0. A session passed if its assess.json says so (`osteon assess
 /// --pass-at`).
 /// @param folder  contains the sessions' folders, or folders in which a session is named `session`

@@ -14,10 +14,11 @@ namespace {
 
 nlohmann::json Triple(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-// Rounds a figure of the message: a change below the step does not make a new message.
+// Rounds a figure of the message: a change smaller than the step does not cause a new message.
 double Rounded(double value, double step) { return step * std::round(value / step); }
 
-// Makes the message of the plan, with places in the world's frame. @param confirms  as in the constructor
+// Makes the message of the plan, with places in the world's frame. @param confirms a person confirms each
+// change of tool
 std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, bool confirms) {
   nlohmann::json reamers = nlohmann::json::array();
   for (const procedure::PlannedTool& tool : plan.tools)
@@ -45,7 +46,7 @@ std::string PlanMessage(const procedure::SurgicalPlan& plan, const Pose& X_WG, b
 PlanPlace PlaceAlongPlan(const procedure::SurgicalPlan& plan, const procedure::PlannedTool& tool,
                          const Pose& X_GT) {
   const Vector3 feed = X_GT.linear().col(2);
-  // from the planned place of the head's centre to its place
+  // from the planned place of the head's centre to its present place
   const Vector3 offset_m = X_GT.translation() - 0.5 * tool.diameter_m * feed - plan.CentreOf(tool);
   PlanPlace place;
   place.to_go_m = offset_m.dot(plan.axis_G);

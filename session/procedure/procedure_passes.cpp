@@ -7,11 +7,13 @@
 #include "session/procedure/unfinished.h"
 #include "simulation/engine/state_hash.h"
 
-// The passes and segments of a procedure's session: which states are saved, and when; the score; the end.
+// The passes and segments of a procedure's session: which states of the bone are saved, and when; the score;
+// the end of the session.
 
 namespace osteon::session {
 
-// Ends the pass. Also saves the bone if a touch that was no pass has changed it, so that no cut is ever lost.
+// Ends the pass. Also saves the bone if a contact outside any pass has changed it, so that no cut is ever
+// lost.
 void ProcedureSession::EndOpenPass(const simulation::CuttingEngine& engine, rt::Nanoseconds stamp) {
   if (pass_.open() || std::exchange(end_pass_, false) ||
       simulation::HashText(engine.Snapshot()) != saved_hash_)
@@ -82,7 +84,7 @@ std::vector<MissedChange> ProcedureSession::MissedChanges() const {
 }
 
 // Scores the new state in the writer's thread, since measuring the bone takes some tenths of a second. In
-// virtual time the bone is measured when the score is asked for.
+// virtual time the bone is measured when the score is requested.
 void ProcedureSession::RenewScore() {
   const SessionFile file = File();
   const bool guided = std::ranges::any_of(
@@ -100,7 +102,7 @@ std::string ProcedureSession::ScoreJson() {
   return score_.Json(frame_stamp_.load(), in_pass_.load());
 }
 
-// Ends the session in order: saves the bone, and asks the run to end as an operator's stop does.
+// Ends the session in order: saves the bone, and requests the run's end like an operator's stop.
 SessionAnswer ProcedureSession::Finish(const SessionRequest& request, const simulation::ToolCommand& command,
                                        FrameRunner& runner) {
   if (pass_.open() && !pass_.clear()) return Refused("finish: the tool touches bone: retract it first");

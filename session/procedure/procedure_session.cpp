@@ -22,8 +22,8 @@ using simulation::ToolCommand;
 constexpr std::chrono::milliseconds kMaxWait{700};
 constexpr double kSameSize_mm = 1e-6;  // diameters that differ by less are the same
 
-/// For how long the scripted operator pauses before a change of tool [ns]: until the sensor's readings are
-/// known (PausedReadings), and two thirds longer, since the loop needs time to begin the pause.
+/// For how long the scripted operator pauses before a change of tool [ns]: the time until both means of the
+/// sensor's readings are known (PausedReadings), times 5/3, since the loop needs time to begin the pause.
 rt::Nanoseconds PauseForReadings(double period_s) {
   return static_cast<rt::Nanoseconds>(1e9 * period_s * (5 * PausedReadings::kTicksUntilKnown / 3));
 }
@@ -117,12 +117,12 @@ void ProcedureSession::Poll(control::ServoLoop& loop) {
 }
 
 SessionAnswer ProcedureSession::Ask(const SessionRequest& request) {
-  struct Waiting {  // the place for the answer, shared with the frames' thread
+  struct Waiting {  // where the frames' thread puts its answer
     std::mutex mutex;
     std::condition_variable done;
     std::optional<SessionAnswer> answer;
   };
-  const auto waiting = std::make_shared<Waiting>();  // the answer may come after this call has given up
+  const auto waiting = std::make_shared<Waiting>();  // the answer may come after this call has returned
   if (!Post(request, [waiting](const SessionAnswer& answer) {
         {
           const std::lock_guard lock(waiting->mutex);
@@ -286,8 +286,8 @@ SessionAnswer ProcedureSession::StartChange(const SessionRequest& request, const
   return {};
 }
 
-// Checks that the sensor's reading has changed by the difference of the tools' weights: an empty string, or
-// why not.
+// Checks that the sensor's reading has changed by the difference of the tools' weights. @returns what is
+// wrong; empty: nothing
 std::string ProcedureSession::CheckLoad(int tool, const ToolCommand& command) const {
   const control::LoopTool& before = params_.tools[static_cast<std::size_t>(tool_)].loop;
   const control::LoopTool& after = params_.tools[static_cast<std::size_t>(tool)].loop;
@@ -302,7 +302,7 @@ std::string ProcedureSession::CheckLoad(int tool, const ToolCommand& command) co
       error_N, kMaxLoadError_N);
 }
 
-// Checks that a tool is clear of bone: an empty string, or how far it must be retracted.
+// Checks that a tool is clear of bone. @returns how far it must be retracted; empty: it is clear
 std::string ProcedureSession::RetractFirst(const CarvedState& state, int tool, const Pose& X_GT) const {
   const double clear_m =
       simulation::ToolClearance(state, params_.tools[static_cast<std::size_t>(tool)].tool, X_GT);
@@ -325,7 +325,8 @@ void ProcedureSession::SwitchTool(const ToolCommand& command, FrameRunner& runne
     runner.Say("tool: " + error_);
     return Answer(Refused(error_));
   }
-  // The new engine begins with the saved state, not with a snapshot of now, as a replay does.
+  // Start the new engine from the saved state, not from a snapshot of the present bone, because a replay of
+  // the session also starts from the saved state.
   CarvedState state = simulation::WithoutContact(*saved_);
   state.frame = runner.engine().Snapshot().frame;
   (*engine)->Restore(state);
@@ -401,7 +402,7 @@ SessionAnswer ProcedureSession::Save(const ToolCommand& command, FrameRunner& ru
   return {.done = true, .reason = ""};
 }
 
-// Requests a resume from the loop. After a change of tool or bone, only if the tool is clear of bone.
+// Requests a resume from the loop. After a change of tool or bone, does so only if the tool is clear of bone.
 SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRunner& runner) {
   if (!command.paused) return Refused("the cell is not paused");
   std::string why;
@@ -411,12 +412,12 @@ SessionAnswer ProcedureSession::Resume(const ToolCommand& command, const FrameRu
   return why.empty() ? SessionAnswer{.done = true, .reason = ""} : Refused(std::move(why));
 }
 
-// Carries out RequestResume. Nobody waits for an answer: a refusal goes to the run's notices.
+// Carries out RequestResume. Nobody waits for an answer, so a refusal is reported as a notice of the run.
 void ProcedureSession::HandleResume(const ToolCommand& command, FrameRunner& runner) {
   if (!resume_asked_.load()) return;
   {
     const std::lock_guard lock(mutex_);
-    if (open_ && open_->waits_for_loop) return;  // the requested tool comes first
+    if (open_ && open_->waits_for_loop) return;  // first finish the change to the requested tool
   }
   resume_asked_.store(false);
   if (const SessionAnswer answer = Resume(command, runner); !answer.done)

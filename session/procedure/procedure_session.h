@@ -43,15 +43,15 @@ inline constexpr double kClearToResume_m = 0.5e-3;
 struct ProcedureParams {
   std::filesystem::path folder;
   procedure::SurgicalPlan plan;
-  SessionFile file;  ///< of a new session, without segments, or of the session that is resumed
+  SessionFile file;                  ///< a new session without segments, or the session that is resumed
   std::vector<ProcedureTool> tools;  ///< one for each of file.diameters_mm
   int tool{0};                       ///< index of the tool in use at the start
   std::string recording;             ///< name of this run's recording in the folder
   const simulation::Bone* bone{nullptr};
-  const simulation::Solid* solid{nullptr};  ///< null: not known
-  simulation::SceneEventParams events;      ///< of the cell's scene
+  const simulation::Solid* solid{nullptr};  ///< the bone's solid; null: not known
+  simulation::SceneEventParams events;      ///< limits of the cell's scene
   Pose X_WG{Pose::Identity()};
-  Pose X_GC{Pose::Identity()};  ///< planned cup: its centre, +z along its axis
+  Pose X_GC{Pose::Identity()};  ///< planned cup: origin at its centre, +z along its axis
   /// Makes the engine for a tool.
   std::function<tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string>(
       const simulation::Tool&)>
@@ -59,9 +59,9 @@ struct ProcedureParams {
   bool confirm_size{false};  ///< a person changes the physical tool, and must confirm its size
   /// The arm is in its own impedance control: a person must also confirm the load set in its controller.
   bool confirm_load{false};
-  double period_s{1e-3};                        ///< the loop's period; the sensor is read once in each
+  double period_s{1e-3};                        ///< the loop's period; the sensor is read once a period
   bool scripted{false};                         ///< a script presses the buttons (ScriptedChanges)
-  ScriptedChanges::Heights scripted_heights{};  ///< heights at which it presses them
+  ScriptedChanges::Heights scripted_heights{};  ///< heights at which the script presses them
   bool wall_time{false};                        ///< states are written on a thread of their own
   std::optional<procedure::Rubric> rubric{};    ///< for the score on the console; absent: no score is shown
   std::string without_rubric{};                 ///< why the rubric is absent
@@ -84,25 +84,26 @@ class ProcedureSession final : public FrameObserver {
  public:
   explicit ProcedureSession(ProcedureParams params);
 
-  /// Puts the engine into the session's last saved state, and opens a segment. Before the run.
-  /// @returns an error where that state cannot be read or restored, or session.json cannot be written.
+  /// Puts the engine into the session's last saved state, and opens a segment. Call it before the run.
+  /// @returns an error if that state cannot be read or restored, or session.json cannot be written.
   [[nodiscard]] tl::expected<void, std::string> Begin(simulation::CuttingEngine& engine);
 
   void BeforeFrame(const simulation::ToolCommand& command, FrameRunner& runner) override;
   void AfterFrame(const simulation::ToolCommand& command, const simulation::FrameRecord& record) override;
-  /// After the last frame: ends the open pass and the segment, and writes everything.
+  /// Call it after the last frame: ends the open pass and the segment, and writes everything.
   /// @returns what could not be written; empty: nothing
   [[nodiscard]] std::string End(const simulation::CuttingEngine& engine);
 
-  /// Takes each recorded tick, for the sensor's reading at rest. From one thread.
+  /// Takes each recorded tick, for the sensor's reading at rest. Call it from one thread only.
   void OnTick(const control::TickRecord& tick);
-  /// Passes the decided requests to the loop. Called by the thread that passes an operator's requests on.
+  /// Passes the accepted requests to the loop. Called by the thread that passes an operator's requests to the
+  /// loop.
   void Poll(control::ServoLoop& loop);
   /// Requests a resume for the operator; a later Poll passes it to the loop, once the tool is clear. Any
   /// thread.
   void RequestResume() { resume_asked_.store(true); }
 
-  /// Makes a request, and waits up to 0.7 s for the answer. Not from the frames' thread.
+  /// Makes a request, and waits up to 0.7 s for the answer. Do not call it from the frames' thread.
   [[nodiscard]] SessionAnswer Ask(const SessionRequest& request);
   /// Makes a request without waiting; `answered` is called on the frames' thread.
   /// @returns false if another request is open, or the run is over
@@ -126,7 +127,7 @@ class ProcedureSession final : public FrameObserver {
   [[nodiscard]] std::string ScoreJson();
   /// Whether a person has finished the session: all is saved, and the run is to end. Any thread.
   [[nodiscard]] bool finished() const { return finished_.load(); }
-  /// Thinnest wall that any tool but the first has left [m]; nothing: no wall was seen.
+  /// Thinnest wall that any tool but the one in use at the start has left [m]; nothing: no wall was seen.
   [[nodiscard]] std::optional<double> min_wall_m() const;
 
  private:
@@ -136,7 +137,7 @@ class ProcedureSession final : public FrameObserver {
     std::function<void(const SessionAnswer&)> answered;
     bool waits_for_loop{false};  // the answer follows once the loop has taken the tool
   };
-  // The measurements of a tool that are kept while other tools are in use.
+  // The measurements of one tool. They are kept while other tools are in use.
   struct Watched {
     std::optional<simulation::ApexDepth> depth;
     std::optional<simulation::SceneWatch> watch;
@@ -174,18 +175,19 @@ class ProcedureSession final : public FrameObserver {
   LiveScore score_;
   SessionWriter writer_;  // its thread uses the score
 
-  // of the frames' thread
+  // used by the frames' thread only
   int tool_{0};
   PassDetector pass_;
   ScriptedChanges script_;
-  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // saved_: the last state that counts
+  std::shared_ptr<const simulation::CarvedState> uncut_, saved_;  // saved_: the last saved state that was not
+                                                                  // undone
   std::string saved_name_, saved_hash_;
-  int states_{0};                  // number of the last state's file
-  bool changed_{false};            // tool or bone have changed in this pause: a resume is checked
+  int states_{0};                  // number in the name of the last state's file
+  bool changed_{false};            // tool or bone changed in this pause, so a resume is checked
   bool end_pass_{false};           // the pass has ended with the last frame
   std::optional<double> to_go_m_;  // smallest height over the planned place in the open pass
   rt::Nanoseconds last_stamp_{0};
-  std::map<int, Watched> watched_;  // by the tools' indices; without the tool of the start
+  std::map<int, Watched> watched_;  // by tool index; without the tool in use at the start
   std::string error_;               // why a tool's engine could not be made; empty: all were made
 
   std::atomic<int> wanted_tool_{-1};                // tool for the next Poll; -1: none
@@ -193,10 +195,10 @@ class ProcedureSession final : public FrameObserver {
   std::atomic<double> wanted_gain_{-1.0};           // guidance gain for the next Poll; negative: none
   double guidance_gain_{0.0};                       // the gain in force; guarded by mutex_
   std::atomic<bool> pause_{false}, resume_{false};  // requests for the next Poll
-  std::atomic<bool> resume_asked_{false};           // by RequestResume, not checked yet
+  std::atomic<bool> resume_asked_{false};           // set by RequestResume, not checked yet
   std::atomic<bool> finished_{false};
   std::atomic<bool> in_pass_{false};             // a pass was open in the newest frame
-  std::atomic<rt::Nanoseconds> frame_stamp_{0};  // of the newest frame's pose
+  std::atomic<rt::Nanoseconds> frame_stamp_{0};  // stamp of the newest frame's pose
 
   mutable rt::InheritingMutex mutex_;  // guards the following, for the frames' and pages' threads
   PausedReadings readings_;

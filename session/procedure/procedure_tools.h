@@ -23,7 +23,7 @@ struct ProcedureTool {
   control::LoopTool loop;
 };
 
-/// Returns the `tool` member of each.
+/// Returns the member `tool` of each procedure tool.
 [[nodiscard]] std::vector<simulation::Tool> ToolsOf(std::span<const ProcedureTool> tools);
 
 /// The tools of a procedure, in the form that a recording stores.
@@ -36,8 +36,8 @@ struct ToolList {
 };
 
 /// Loads the cell with each of the tools in turn.
-/// @param base  the cell as it runs, with one of these tools
-/// @param tool_file  the tool, which comes in each of the list's sizes
+/// @param base  the cell with one of these tools loaded
+/// @param tool_file  file of the tool, which must come in each of the list's sizes
 /// @param gains  as for LoadCell
 /// @throws config::ConfigError; config::ToolSizeError if the tool does not come in one of the sizes.
 [[nodiscard]] std::vector<ProcedureTool> LoadProcedureTools(const config::CellConfig& base,
@@ -46,8 +46,8 @@ struct ToolList {
                                                             const std::filesystem::path& gains,
                                                             const ToolList& list);
 
-/// Prepares the loop's parameters for all tools: the age governor's radius becomes that of the
-/// largest cutting head.
+/// Prepares the loop's parameters for all tools: the age governor's radius becomes that of the largest
+/// cutting head among the tools.
 void PrepareForTools(const std::vector<ProcedureTool>& tools, config::CellConfig& cell);
 /// Gives the loop its table of tools, with the tool `first` in use.
 void SetTools(const std::vector<ProcedureTool>& tools, int first, control::ServoLoop& loop);

@@ -34,7 +34,7 @@ struct Scene {
   EngineChoice engine;
 };
 
-// Makes cell, tools and packed bone of a session's recording again. @param file  of the recording
+// Makes cell, tools and packed bone of a session's recording again. @param file  path of the recording
 tl::expected<Scene, std::string> SetUpScene(const io::Recording& recording, const fs::path& file,
                                             const SessionFile& session) {
   Scene scene;
@@ -111,7 +111,7 @@ std::string CutAgain(const io::Recording& recording, const SessionFile& session,
       recarve.Add(recording.ticks[tick]);
     recarve.Add(frame);
   }
-  // without a known end of the segment, no further state is compared
+  // if the segment's end is not known, no further state is compared
   end_passes(segment.end == 0 ? 0 : segment.end + 1);
   if (segment.end != 0)
     CompareState(fmt::format("the end of segment {}", index + 1), segment.end_state_hash, **engine, replay);

@@ -8,8 +8,8 @@
 namespace osteon::session {
 
 /// Presses the buttons of a session for the scripted operator, who only moves the hand. Once a tool has been
-/// down and is retracted and at rest, it pauses, takes the next tool, and resumes. It depends only on the
-/// tool's motion, so that it works in wall time and in virtual time.
+/// at work, is retracted and is at rest, the script pauses the loop, takes the next tool, and resumes. The
+/// script depends only on the tool's motion, so it works in wall time and in virtual time.
 class ScriptedChanges {
  public:
   enum class Action { kNone, kPause, kNext, kResume };
@@ -23,7 +23,7 @@ class ScriptedChanges {
   explicit ScriptedChanges(const Heights& heights, rt::Nanoseconds rest = 0)
       : heights_(heights), rest_(rest) {}
 
-  /// @param height_m  of the head's centre over the plan's centre, along its axis
+  /// @param height_m  height of the head's centre over the plan's centre, along the plan's axis
   /// @param paused  the loop is at rest  @param next_is_ready  a further tool is planned
   /// @returns the button to press now; each is returned once
   Action Step(rt::Nanoseconds stamp, double height_m, bool paused, bool next_is_ready);
@@ -33,13 +33,14 @@ class ScriptedChanges {
     answered_ = true;
     refusal_ = std::move(refusal);
   }
-  /// Says why the next change of tool is not made if the run ends now: the last refusal, or what is missing.
+  /// Says why the next change of tool has not been made: the last refusal, or the condition that is still
+  /// missing.
   [[nodiscard]] std::string WhyNotChanged() const;
 
  private:
   enum class Phase { kReaming, kPausing, kChanging, kResuming };
   Heights heights_;
-  rt::Nanoseconds rest_;  // in a pause, before the next tool is taken
+  rt::Nanoseconds rest_;  // time at rest in a pause before the next tool is taken
   Phase phase_{Phase::kReaming};
   bool been_down_{false};  // the tool in use was below down_m
   bool answered_{false};   // the request for the next tool was answered

@@ -35,7 +35,7 @@ constexpr std::uint64_t kMaxItems = 1ull << 32;             // a file with more 
 // The head of the file. The doubles of the balls and of the mass points follow.
 struct BoneHeader {
   std::array<char, 8> magic{kBoneMagic};
-  std::array<char, 16> checksum{};  // of the doubles, as TextChecksum writes it
+  std::array<char, 16> checksum{};  // TextChecksum of the doubles
   std::uint64_t balls{0}, points{0};
 };
 

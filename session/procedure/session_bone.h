@@ -18,7 +18,7 @@ namespace osteon::session {
 
 inline constexpr const char* kSessionBoneName = "bone.packed";
 
-/// The result of packing a bone; its materials and site come from the scene.
+/// The result of packing a bone. The bone's materials and site are not included: they come from the scene.
 struct PackedBone {
   std::vector<simulation::Ball> balls;
   std::vector<simulation::MassPoint> points;
@@ -30,7 +30,7 @@ struct PackedBone {
                                                                const simulation::Bone& bone);
 /// Reads a saved state of a session. The error names the file, if it cannot be read or does not have the hash
 /// that session.json states.
-/// @param name  file of the state, as a pass names it
+/// @param name  the state's file (SessionPass::state)
 [[nodiscard]] tl::expected<simulation::CarvedState, std::string> ReadSessionState(
     const std::filesystem::path& folder, const SessionFile& session, const std::string& name,
     const simulation::Bone& bone);
@@ -39,12 +39,12 @@ struct PackedBone {
 [[nodiscard]] std::optional<PackedBone> ReadSessionBone(const std::filesystem::path& folder);
 
 /// Finds the mesh that replaced the cell's bone in a session, with the plan's cup; nothing: the bone was the
-/// cell's. The error names the file. @param recording  of the session, in its folder
+/// cell's. The error names the file. @param recording a recording in the session's folder
 [[nodiscard]] tl::expected<std::optional<MeshChoice>, std::string> MeshOfSession(
     const std::filesystem::path& recording);
 
-/// Makes the cell of a session's recording, with the bone that the session has kept. Without that file, the
-/// bone is packed again as the session did. The error names the file.
+/// Makes the cell of a session's recording, with the bone from the session's bone.packed. If that file is
+/// missing, the bone is packed again as the session packed it. The error names the file.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpSessionCell(const std::filesystem::path& recording);
 
 }  // namespace osteon::session

@@ -19,26 +19,28 @@
 
 namespace osteon::session {
 
-/// Tool and path of each pass of a session that counts. The path is that of the simulated tool, in the bone's
-/// frame. Passes that were taken back are left out.
+/// Tool and path of each pass of a session that was not undone. The path is that of the simulated tool, in
+/// the bone's frame.
 class SessionCut {
  public:
-  /// @param tools  one for each of session.diameters_mm  @param X_WG  the bone in the world
+  /// @param tools  one for each of session.diameters_mm  @param X_WG pose of the bone in the world
   SessionCut(const SessionFile& session, std::vector<simulation::Tool> tools, const Pose& X_WG);
 
-  /// Takes a frame of a recording of the session; it counts if it belongs to a pass.
+  /// Takes a frame of a recording of the session. The frame is used if it belongs to a pass that was not
+  /// undone.
   void Add(const std::string& recording, const simulation::FrameRecord& frame);
 
-  /// The paths of the passes, in their order. They are views of this object.
+  /// The paths of the passes, in their order. They refer to this object, which must outlive them.
   [[nodiscard]] std::vector<simulation::ToolPath> paths() const;
   /// Largest distance by which a thinned path differs from the frames' poses (ProxyPath::tolerance_m).
   [[nodiscard]] double tolerance_m() const;
   [[nodiscard]] const std::vector<simulation::Tool>& tools() const { return tools_; }
 
-  std::optional<procedure::PlannedCavity> planned{};  ///< of the session's plan, if it was read
+  std::optional<procedure::PlannedCavity> planned{};  ///< planned cavity of the session's plan, if the plan
+                                                      ///< was read
 
  private:
-  // A pass that counts, with the path of its tool.
+  // A pass that was not undone, with the path of its tool.
   struct Pass {
     std::string recording;
     rt::Nanoseconds begin, end;
@@ -52,22 +54,24 @@ class SessionCut {
 /// Finds the session to which a recording belongs, by the session.json beside it. Nothing if there is no such
 /// file, or it does not name the recording.
 [[nodiscard]] std::optional<SessionFile> FindSessionOf(const std::filesystem::path& recording);
-/// Returns the session as it was at a recording's end: with segments and passes up to the recording's last.
+/// Returns the session as it was at a recording's end: with the segments and passes up to the last ones of
+/// the recording.
 [[nodiscard]] SessionFile SessionUpTo(SessionFile session, const std::string& recording);
 
-/// Says whether a frame counts. @param recording  name of the frame's recording
+/// Decides whether a frame is included. @param recording  name of the frame's recording
 using CountsFrame = std::function<bool(const std::string& recording, const simulation::FrameRecord& frame)>;
 
 /// Reads the frames of all recordings of a session. The error names the file.
-/// @param counts  empty: each frame counts
+/// @param counts  decides which frames are included; empty: all
 [[nodiscard]] tl::expected<SessionCut, std::string> ReadSessionCut(const std::filesystem::path& folder,
                                                                    const SessionFile& session,
                                                                    std::vector<simulation::Tool> tools,
                                                                    const Pose& X_WG,
                                                                    const CountsFrame& counts = {});
 
-/// Reads the passes of the session's recordings before this one. Nothing if this one is the first, or the
-/// session does not name it. The error names the file. @param recording  name of its file in the folder
+/// Reads the passes of the session's recordings before this one. Returns nothing if this recording is the
+/// first, or the session does not name it. The error names the file. @param recording  name of its file in
+/// the folder
 [[nodiscard]] tl::expected<std::optional<SessionCut>, std::string> ReadCutBefore(
     const std::filesystem::path& folder, const SessionFile& session, const std::string& recording,
     std::vector<simulation::Tool> tools, const Pose& X_WG);

@@ -33,7 +33,7 @@ void RequireName(const std::string& key, const std::string& name) {
         fmt::format("{}: found \"{}\", accepted the name of a file in the session's folder", key, name));
 }
 
-// @param found  the refused value; null: there is none
+// Throws the error for a key that is refused. @param found the refused value; null: the key is missing
 [[noreturn]] void Refuse(const char* key, const json* found, const std::string& accepted) {
   constexpr std::size_t kShown = 60;  // number of characters of the value in the message
   throw std::runtime_error(fmt::format(
@@ -111,7 +111,7 @@ std::string ReadName(const json& object, const char* key) {
 
 // Reads the time at which the session began; empty: there is none.
 std::string ReadBegan(const json& all) {
-  // a 0 stands for any digit
+  // each 0 stands for any digit
   constexpr std::string_view kForm = "0000-00-00T00:00:00Z";
   const auto at = all.find("began");
   if (at == all.end() || at->is_null()) return "";
@@ -178,7 +178,7 @@ SessionSegment ReadSegment(const json& object, const SessionFile& session) {
   return segment;
 }
 
-// @param number  the number that the pass must have
+// Reads a pass. @param number the number that the pass must have
 SessionPass ReadPass(const json& object, const SessionFile& session, std::int64_t number) {
   SessionPass pass{.number = static_cast<int>(ReadWhole(object, "number", number, number)),
                    .segment = static_cast<int>(ReadWhole(
@@ -348,7 +348,7 @@ tl::expected<void, std::string> WriteSession(const std::filesystem::path& folder
 tl::expected<SessionFile, std::string> ReadSession(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / kSessionFileName;
   if (std::error_code error; !std::filesystem::is_regular_file(path, error) || !std::ifstream(path)) {
-    const bool is_file = std::filesystem::is_regular_file(folder, error);  // a recording of the session
+    const bool is_file = std::filesystem::is_regular_file(folder, error);  // the user gave a recording
     const std::filesystem::path meant = is_file ? folder.parent_path() : folder / "session";  // of a demo
     const bool is_meant = std::filesystem::is_regular_file(meant / kSessionFileName, error);
     return tl::make_unexpected(

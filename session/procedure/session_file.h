@@ -15,27 +15,27 @@
 // The file `session.json` in a procedure's folder (osteon.session/1). It names the plan, the cell and the
 // bone; for each part of a recording, the tool and the carved states before and after; and the passes.
 //
-//     DIR/session.json   this file, replaced as a whole whenever one of its facts becomes known
+//     DIR/session.json   this file, replaced as a whole whenever its content changes
 //         plan.yaml      the plan as it was read
 //         run_1.mcap     a recording for each start of the session (`--resume` begins run_2.mcap)
 //         state_1.carved carved states (simulation/files/carved_file.h), numbered as they were saved; never overwritten
 
 namespace osteon::session {
 
-/// A part of a recording in which one tool cut, from one saved state on. A change of tool and an undo begin
-/// another.
+/// A part of a recording in which one tool cut, beginning at a saved state. A change of tool and an undo each
+/// begin a new segment.
 struct SessionSegment {
   int tool_index{0};         ///< index in SessionFile::diameters_mm
   std::string recording;     ///< file in the session's folder
   rt::Nanoseconds begin{0};  ///< stamp of the first frame's pose, on the recording's clock
-  /// Stamp of the last frame's pose; 0: not known, because the process was killed: the recording's end
-  /// counts.
+  /// Stamp of the last frame's pose; 0: not known, because the process was killed; the segment then ends with
+  /// the recording.
   rt::Nanoseconds end{0};
   std::string begin_state;       ///< file of the carved state at its beginning; empty: the uncut bone
   std::string begin_state_hash;  ///< HashState of that state, 16 hexadecimal digits
-  std::string end_state;       ///< file of the state at its end; empty: as begin_state, no pass was finished
-  std::string end_state_hash;  ///< empty as long as the segment is open
-  double guidance_gain{0.0};   ///< factor on the plan's guidance gains; 0: without guidance
+  std::string end_state;         ///< file of the state at its end; empty: begin_state, since no pass ended
+  std::string end_state_hash;    ///< empty as long as the segment is open
+  double guidance_gain{0.0};     ///< factor on the plan's guidance gains; 0: without guidance
 };
 
 /// One pass: from the first bone that the turning tool removes until the tool has been clear for 0.5 s.
@@ -48,7 +48,7 @@ struct SessionPass {
   double removed_mm3{0.0};
   std::string state;       ///< file of the carved state after the pass
   std::string state_hash;  ///< HashState of that state
-  bool undone{false};      ///< taken back: counts for time, not for the result
+  bool undone{false};      ///< taken back: included in the session's time, not in its result
   /// Smallest height of the simulated head's centre over its planned place; negative: deeper. Absent: the
   /// session was made before this figure existed.
   std::optional<double> to_go_mm{};
@@ -56,7 +56,7 @@ struct SessionPass {
 
 /// A change of tool that the scripted operator of a simulated cell was to make, but did not.
 struct MissedChange {
-  int tool_index{0};   ///< of the tool that was not taken
+  int tool_index{0};   ///< index of the tool that was not taken
   std::string reason;  ///< what was missing, or the refusal
 };
 
@@ -64,7 +64,7 @@ struct MissedChange {
 struct SessionGains {
   std::string law;  ///< "admittance" or "impedance"
   double stiffness_N_per_mm{0.0}, damping_Ns_per_m{0.0};
-  std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< of the virtual tool; zero under the impedance law
+  std::array<double, 3> mass_kg{}, drag_Ns_per_m{};  ///< virtual tool by axis; zero under the impedance law
 };
 
 /// Returns the largest number N of the files PREFIX N EXTENSION in a folder, such as run_2.mcap; 0: no file.
@@ -83,21 +83,21 @@ struct SessionFile {
   std::string mesh_file;             ///< absolute path of the mesh that replaced the cell's bone; empty: none
   double mesh_scale{1.0};            ///< millimetres per unit of the mesh
   std::string tool;                  ///< name of the tool's kind, such as "reamer"
-  std::vector<double> diameters_mm;  ///< of the plan's reamers
+  std::vector<double> diameters_mm;  ///< diameters diameters of the plan's reamers
   std::string tool_change{"virtual"};  ///< "virtual" or "physical"
   std::string clock{"wall"};           ///< "wall" or "virtual"
   std::string began{};  ///< when the session was opened, UTC: "2026-11-29T09:30:00Z"; empty: virtual time, or
                         ///< an older session
   SessionGains gains;
-  bool ended{false};  ///< the last process ended in order; also false while it runs
+  bool ended{false};  ///< the last run ended in order; false also while a run lasts
   std::vector<SessionSegment> segments;
   std::vector<SessionPass> passes;
-  std::vector<MissedChange> missed_changes{};  ///< of the last run; empty with a person, and while it runs
+  std::vector<MissedChange> missed_changes{};  ///< in the last run; empty with a person, and during a run
   std::optional<PlainPose> cup_X_GT;           ///< the tool's pose at `tell cup`, in the bone's frame G
 
-  /// Returns the number of passes that count for the result.
+  /// Returns the number of passes that were not undone.
   [[nodiscard]] int PassesLeft() const;
-  /// Returns the file of the last state that counts; empty: the uncut bone.
+  /// Returns the file of the bone's state after the last pass that was not undone; empty: the uncut bone.
   [[nodiscard]] std::string LastState() const;
 };
 

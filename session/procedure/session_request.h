@@ -11,8 +11,8 @@ namespace osteon::session {
 struct SessionRequest {
   enum class Kind { kNext, kTool, kUndo, kSave, kCup, kResume, kGuidance, kFinish };
   Kind kind{Kind::kNext};
-  double diameter_mm{0.0};  ///< of kTool
-  double gain{0.0};         ///< of kGuidance, 0 … 1
+  double diameter_mm{0.0};  ///< for kTool: diameter of the tool
+  double gain{0.0};         ///< for kGuidance, 0 … 1
   bool confirmed{false};    ///< a person has confirmed size (and load), or the end of an unfinished plan
 };
 /// The answer to a request: whether it was carried out.

@@ -72,7 +72,7 @@ void SessionWriter::Loop() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return stop_ || !jobs_.empty(); });
-    if (jobs_.empty()) return;  // at the end, all jobs that were given are still done
+    if (jobs_.empty()) return;  // end only after all jobs are done
     const Job job = std::move(jobs_.front());
     jobs_.pop_front();
     busy_ = true;

@@ -21,16 +21,17 @@ namespace osteon::session {
 /// bone (LiveScore).
 class SessionWriter {
  public:
-  /// @param bone  of all states; outlives this
+  /// @param bone  the bone of all states; must outlive this object
   SessionWriter(std::filesystem::path folder, const simulation::Bone& bone, bool with_thread);
   ~SessionWriter();
   SessionWriter(const SessionWriter&) = delete;
   SessionWriter& operator=(const SessionWriter&) = delete;
 
-  /// Writes a state, or gives it to the thread. @param name  of the file in the folder
+  /// Writes a state, or gives it to the thread. @param name  name of the file in the folder
   void WriteState(std::string name, std::shared_ptr<const simulation::CarvedState> state);
   void WriteSession(SessionFile session);
-  /// Runs some work after everything that was given before; without a thread the work is not done.
+  /// Runs some work after everything that was given before, in the thread. Without a thread, the work is
+  /// dropped.
   void RunAfter(std::function<void()> work);
   /// Waits until all is written. @returns the first error so far; empty: none
   [[nodiscard]] std::string Flush();
@@ -38,7 +39,7 @@ class SessionWriter {
  private:
   // One thing to write, or work to do.
   struct Job {
-    std::string name;  // of the state's file; empty: the session is written
+    std::string name;  // name of the state's file; empty: session.json is written
     std::shared_ptr<const simulation::CarvedState> state;
     SessionFile session;
     std::function<void()> work{};  // done instead of writing; empty: the job is to write

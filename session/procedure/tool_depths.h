@@ -10,10 +10,10 @@
 
 namespace osteon::session {
 
-/// Computes the depth of the apex of each of a procedure's tools below the cup's first floor.
+/// Computes the depth of the apex of each of a procedure's tools below the uncut floor of the cup.
 class ToolDepths {
  public:
-  /// @param bone  uncut, with balls  @param tools  at least one  @param X_WG  the bone in the world
+  /// @param bone  the uncut bone, with balls  @param tools  at least one  @param X_WG  the bone in the world
   ToolDepths(const simulation::Bone& bone, std::span<const ProcedureTool> tools, const Pose& X_WG);
   /// Returns the depth of a tool at its pose or its proxy's pose [m]; negative above the floor.
   /// @param tool  index in `tools`

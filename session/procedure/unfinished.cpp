@@ -11,7 +11,7 @@ namespace {
 // If more than this fraction of the planned cavity is left, the plan is not finished.
 constexpr double kMaxShareLeft = 0.5;
 
-// Whether a pass was made with the plan's last tool and counts.
+// Whether a pass was made with the plan's last tool and was not undone.
 bool CountsForLastTool(const procedure::SurgicalPlan& plan, const SessionPass& pass) {
   return !pass.undone && pass.tool_index == static_cast<int>(plan.tools.size()) - 1;
 }

@@ -20,7 +20,8 @@ void WallWatch::Add(int tool, double radius_m, const Vector3& head_m) {
   last_m_ = head_m;
   Pose X_GP = Pose::Identity();
   X_GP.translation() = head_m;
-  // the growing count stands for the removed volume: each place counts as one where bone was removed
+  // pass the growing count as the removed volume, so that the watch takes each place as one where bone was
+  // removed
   static_cast<void>(found->second.Step(X_GP, ++steps_, {}));
 }
 

@@ -13,11 +13,12 @@ namespace osteon::session {
 /// Distance that a head travels between two measurements of the walls.
 inline constexpr double kWallStep_m = 0.2e-3;
 
-/// Measures the walls beside the heads of a plan's tools, by one rule for a session's assessment and for the
-/// score of a running session.
+/// Measures the walls beside the heads of a plan's tools. The assessment of a session and the score of a
+/// running session both use it.
 class WallWatch {
  public:
-  /// @param bone, solid  outlive this; solid null: walls are not watched  @param events  of the plan's scene
+  /// @param bone, solid  must outlive this object; solid null: walls are not watched  @param events  limits
+  /// of the plan's scene
   WallWatch(const simulation::Bone& bone, const simulation::Solid* solid,
             const simulation::SceneEventParams& events)
       : bone_(bone), solid_(solid), events_(events) {}
@@ -35,7 +36,7 @@ class WallWatch {
   const simulation::Bone& bone_;
   const simulation::Solid* solid_;
   const simulation::SceneEventParams events_;
-  std::map<int, simulation::SceneWatch> watches_;  // by the tools' indices
+  std::map<int, simulation::SceneWatch> watches_;  // by tool index
   Vector3 last_m_{Vector3::Zero()};                // place of the last measurement
   double steps_{0.0};                              // number of measurements
 };

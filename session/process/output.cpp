@@ -28,7 +28,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kReaderInterval{100};  // how often readers are checked
+constexpr std::chrono::milliseconds kReaderInterval{100};  // time between two checks of the readers
 constexpr std::size_t kMaxWaiting = 64u << 10;             // bytes that may wait; beyond it stderr is dropped
 constexpr int kExitClosed = 128 + SIGPIPE;                 // exit code if nobody reads stdout any more
 
@@ -125,7 +125,7 @@ class OutputQueue {
       }
       if (g_out.IsClosed() || (watch_stderr_ && g_err.IsClosed())) base::RequestInterrupt(SIGPIPE);
       lock.lock();
-      waiting_ -= std::min(waiting_, written);  // the note about dropped text was not counted
+      waiting_ -= std::min(waiting_, written);  // only `written` includes the note about dropped text
     }
   }
 
@@ -135,14 +135,14 @@ class OutputQueue {
   std::vector<Part> parts_;
   std::size_t waiting_{0}, dropped_{0};  // bytes: not yet written; dropped from stderr
   bool end_{false};
-  std::thread thread_;  // last: it uses the other members
+  std::thread thread_;  // declared last: it uses the other members
 };
 
 namespace {
 
 std::atomic<OutputQueue*> g_queue{nullptr};
 
-// The write function for stdio: always accepts all of the text.
+// The write function for the stdio streams: it always accepts all of the text.
 ssize_t WriteToQueue(void* output, const char* text, std::size_t size) {
   const int kept = errno;
   try {
@@ -170,7 +170,7 @@ void InstallOutput() {
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && errno == EBADF)
       static_cast<void>(
-          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // takes its number
+          open("/dev/null", descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY));  // gets the closed number
   if (std::FILE* out = Stream(g_out, isatty(STDOUT_FILENO) != 0 ? _IOLBF : _IOFBF)) stdout = out;
   if (std::FILE* err = Stream(g_err, _IONBF)) stderr = err;
 }

@@ -7,19 +7,20 @@ namespace osteon::session {
 /// Replaces this process's stdout and stderr by streams whose writes never fail: output that a full disk or a
 /// closed pipe does not accept is dropped, and OutputExitCode reports it at the end. Without this a print
 /// throws. Closed descriptors 0 to 2 are opened on /dev/null first; otherwise the next opened file would get
-/// one of their numbers, and the output with it. Call it before anything else.
+/// one of these numbers, and the output would go into that file. Call it before anything else.
 void InstallOutput();
 
-/// Returns the exit code after the last print. @param code  the process's own
-/// @returns code; 1 instead of 0 if stdout did not accept all output, which is then said on stderr; 141 (128
-/// + SIGPIPE) instead of 0 if nobody reads stdout any more.
+/// Returns the exit code after the last print. @param code the exit code of the process's work @returns code;
+/// 1 instead of 0 if stdout did not accept all output, which is then said on stderr; 141 (128 + SIGPIPE)
+/// instead of 0 if nobody reads stdout any more.
 [[nodiscard]] int OutputExitCode(int code);
 
 class OutputQueue;
 
 /// Parameters of OutputThread.
 struct OutputThreadParams {
-  /// Also treat a closed stderr as a reader that has gone away. Not to be used if stderr is the parent's.
+  /// Also treat a closed stderr as a reader that has gone away. Do not set it if stderr belongs to the parent
+  /// process.
   bool watch_stderr{false};
 };
 

@@ -23,9 +23,9 @@
 namespace osteon::session {
 namespace {
 
-// Shows a progress bar if the output is a terminal; elsewhere it would fill the output with lines.
+// Shows a progress bar if the output is a terminal; in a file it would add many lines.
 void ShowProgress(double share) {
-  constexpr int kWidth = 40;  // of the bar, in characters
+  constexpr int kWidth = 40;  // width of the bar in characters
   static const bool is_terminal = isatty(STDERR_FILENO) != 0;
   if (!is_terminal) return;
   fmt::print(stderr, "\r[{:{}}] {:3.0f} %", std::string(static_cast<std::size_t>(share * kWidth), '#'),
@@ -64,7 +64,7 @@ nlohmann::ordered_json ToJson(const io::Recovery& recovery) {
   return json;
 }
 
-// Checks the paths before anything is done. @returns what is wrong; empty: nothing
+// Checks the output paths before anything is done. @returns what is wrong; empty: nothing
 std::string WrongPlace(const ExportOptions& options, const std::filesystem::path& folder) {
   if (std::string wrong = ValidateOutputFolder("--out", folder); !wrong.empty()) return wrong;
   if (std::string wrong = ValidateSurfaceFile(options.surface); !wrong.empty()) return wrong;
@@ -140,7 +140,7 @@ int RunExport(const ExportOptions& options) {
   std::filesystem::path folder = options.out.empty() ? options.recording.parent_path() : options.out;
   if (folder.empty()) folder = ".";
   if (const std::string wrong = WrongPlace(options, folder); !wrong.empty()) return Fail("export", wrong);
-  // checks that may refuse come first: a wrong file leaves no folder behind
+  // do the checks that may refuse first, so that a wrong file leaves no folder behind
   if (const auto file = io::McapReader::Open(options.recording); !file) return Fail("export", file.error());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -182,7 +182,7 @@ int RunExport(const ExportOptions& options) {
   const auto bone = WriteBone(options, source);
   if (!bone) return Fail("export", bone.error());
 
-  // the results
+  // print the results
   if (tables || recovery) {
     json["ticks"] = tables ? tables->ticks : recovery->ticks;
     json["frames"] = tables ? tables->frames : recovery->frames;

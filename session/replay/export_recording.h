@@ -10,7 +10,7 @@ namespace osteon::session {
 /// The options of `osteon export`.
 struct ExportOptions {
   std::filesystem::path recording;
-  bool csv{false};                 ///< write tables; they are also written if nothing else is asked for
+  bool csv{false};                 ///< write tables; also done if nothing else is requested
   bool recover{false};             ///< rebuild a complete recording from a torn one
   std::filesystem::path out;       ///< folder for the results; empty: the recording's own
   std::filesystem::path surface;   ///< file for the carved bone as a mesh

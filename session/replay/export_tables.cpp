@@ -161,7 +161,7 @@ tl::expected<ExportedTables, std::string> ExportTables(const std::filesystem::pa
       events.EndRow();
       ++exported.events;
     }
-    // now and then: look for errors of the tables, and report the progress
+    // every kProgressEvery messages: check the tables for errors, and report the progress
     if (messages % kProgressEvery != 0) continue;
     for (const Table* table : {&ticks, &frames, &events})
       if (!table->error().empty()) return tl::make_unexpected(table->error());

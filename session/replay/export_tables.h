@@ -17,7 +17,7 @@ namespace osteon::session {
 struct ExportedTables {
   std::uint64_t ticks{0}, frames{0}, events{0};  ///< number of rows in each table
   std::vector<std::filesystem::path> files;
-  bool complete{false};         ///< whether the recording has its end; false: it ends early
+  bool complete{false};         ///< the recording is complete; false: it ends early
   std::uint64_t tail_bytes{0};  ///< bytes of a cut-off message at the end, or after the recording's end
   bool closed{false};           ///< the recording's end is present, and tail_bytes follow it
 };

@@ -28,7 +28,7 @@ tl::expected<simulation::ToolMotion, std::string> RecordedMotion(const std::file
         (tick.phase != control::Phase::kHaptic && tick.phase != control::Phase::kStopping))
       continue;
     if (samples.empty()) start = tick.stamp;
-    // skip a tick without a message of its own, as there are in wall time: its stamp is not later
+    // skip a tick that had no message of its own, as happens in wall time: its stamp has not advanced
     if (!samples.empty() && tick.stamp <= last) continue;
     if (!samples.empty()) steps.Add(tick.stamp - last);
     last = tick.stamp;

@@ -66,14 +66,14 @@ std::filesystem::path FolderOf(const std::filesystem::path& recording) {
   return recording.has_parent_path() ? recording.parent_path() : std::filesystem::path(".");
 }
 
-// Contents of a recording for the report. Without a session they include the results of cutting the bone
-// again.
+// Contents of a recording for the report. If the recording belongs to no session, they include the results of
+// cutting the bone again.
 struct RecordedRunData {
   RunAccumulator run;
   CellRunResult result;
-  double seconds{0.0};  ///< between the first and the last commanded tick
+  double seconds{0.0};  ///< time between the first and the last commanded tick
   RecutFigures recut{};
-  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< engine of the last coarsened zones; null: none
+  std::unique_ptr<simulation::CuttingEngine> coarser{};  ///< engine after the last coarsening; null: none
 };
 
 /// The session that a recording belongs to, up to the recording's end, with its tools.
@@ -99,7 +99,7 @@ tl::expected<std::optional<RecordedSession>, std::string> FindRecordedSession(
                          .cell = std::move(*cell)};
 }
 
-// Finds the events that say how zones were coarsened; there are none if the plan did not time frames.
+// Finds the events that say how zones were coarsened; returns none if the plan did not time frames.
 tl::expected<std::vector<io::RecordedEvent>, std::string> FindCoarsenedZones(
     const std::filesystem::path& path) {
   auto stream = io::RecordingStream::Open(path);
@@ -187,15 +187,15 @@ std::string RestoreSession(const std::filesystem::path& folder, const RecordedSe
   cut->planned = ReadPlannedCavity(folder, session.file);
   run.session_cut = std::make_shared<const SessionCut>(std::move(*cut));
   const std::string name = session.file.LastState();
-  if (name.empty()) return "";  // the uncut bone
+  if (name.empty()) return "";  // the bone is still uncut
   auto state = ReadSessionState(folder, session.file, name, setup.bone);
   if (!state) return state.error();
   engine.Restore(simulation::WithoutContact(std::move(*state)));
   return "";
 }
 
-// Reads the whole recording. Without a session the bone is cut again meanwhile.
-// @param[in,out] engine  with the uncut bone; afterwards with the bone of the end
+// Reads the whole recording. If it belongs to no session, cuts the bone again while reading.
+// @param[in,out] engine  with the uncut bone; afterwards with the bone at the recording's end
 // @param stops  gets the ticks and events, for the pages of the stops
 tl::expected<RecordedRunData, std::string> ReadRecordedRunData(const std::filesystem::path& path,
                                                                const CellSetup& setup,
@@ -213,7 +213,7 @@ tl::expected<RecordedRunData, std::string> ReadRecordedRunData(const std::filesy
   auto changes = FindCoarsenedZones(path);
   if (!changes) return tl::unexpected(changes.error());
   BoneRecutter bone(setup, engine, std::move(*changes));
-  std::uint32_t faults = 0;  // of the last tick
+  std::uint32_t faults = 0;  // faults of the last tick
   std::string end;
   while (true) {
     const auto topic = stream->Next();

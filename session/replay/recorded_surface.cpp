@@ -20,7 +20,7 @@ namespace osteon::session {
 namespace {
 
 /// The times at which the spindle began or ceased to turn. They are gathered before the frames are read,
-/// since a frame may stand in the file before the tick of its pose.
+/// since a frame may come before the tick of its pose in the file.
 class SpindleTimes {
  public:
   void Add(const control::TickRecord& tick) {
@@ -57,7 +57,7 @@ tl::expected<io::SessionInfo, std::string> EachMessage(const std::filesystem::pa
 
 namespace {
 
-// Writes a field's surface as a mesh. @returns `written` with the mesh's figures
+// Writes a field's surface as a mesh. @returns `written`, completed by the mesh's figures
 tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path& file,
                                                      const surface::CarvedField& field, double drop_below_mm3,
                                                      WrittenSurface written) {
@@ -67,8 +67,8 @@ tl::expected<WrittenSurface, std::string> WriteField(const std::filesystem::path
   return written;
 }
 
-// Reads the paths along which a session's tools have cut, with this recording only up to at_s. Sets
-// written.time_s to the time of the recording's last frame that counts.
+// Reads the paths along which a session's tools have cut, but this recording's frames only up to at_s. Sets
+// written.time_s to the time of the last frame that is included.
 tl::expected<SessionCut, std::string> ReadSessionCutUpTo(const std::filesystem::path& recording,
                                                          const SessionFile& session, const CellSetup& setup,
                                                          std::optional<double> at_s,

@@ -25,8 +25,8 @@ struct WrittenSurface {
 };
 
 /// Carves the bone's solid along the frames of a recording, and writes its surface. Frames give the proxy's
-/// path, ticks the times in which the spindle turned. For a recording of a session, the solid is carved by
-/// the tools of all passes of the session that count, up to that time.
+/// path, ticks the times in which the spindle turned. For a recording of a session, the solid is carved along
+/// all passes of the session up to that time that were not taken back.
 /// @param setup  the cell of the recording: bone, solid, tool and X_WG
 /// @param at_s   up to this time since the recording's start; none: to its end
 /// @param drop_below_mm3  smaller loose pieces are left out; 0: none is left out
@@ -44,10 +44,10 @@ struct WrittenSurface {
 /// Checks a surface's file before anything runs. @returns what is wrong; empty: nothing
 [[nodiscard]] std::string ValidateSurfaceFile(const std::filesystem::path& file);
 
-/// Makes {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces, dropped_pieces,
-/// dropped_mm3}
+/// Makes the JSON object {file, triangles, volume_mm3, watertight, voxel_mm, time_s, from_balls, pieces,
+/// dropped_pieces, dropped_mm3}
 [[nodiscard]] nlohmann::ordered_json SurfaceJson(const WrittenSurface& surface);
-/// One line: the file, triangles, volume.
+/// Makes a line of text: file, number of triangles, volume.
 [[nodiscard]] std::string SurfaceText(const WrittenSurface& surface);
 
 }  // namespace osteon::session

@@ -11,17 +11,18 @@
 
 namespace osteon::session {
 
-/// Follows a recording whose zones were coarsened during the run. As AdaptiveResolution did in the run, it
-/// packs the coarser zones, carves them along the proxy's path so far, and provides the engine that
+/// Repeats the coarsening of zones while a recording's frames are cut again. Like AdaptiveResolution in the
+/// run, it packs the coarser zones, carves them along the proxy's path so far, and provides the engine that
 /// continues.
 class RecordedZones {
  public:
-  /// @param setup    packed as recorded, with its plan if there are changes; outlives this object
+  /// @param setup    packed as recorded, with its plan if there are changes; must outlive this object
   /// @param changes  the recording's events with a packing, in their order
   RecordedZones(const CellSetup& setup, std::vector<io::RecordedEvent> changes, EngineChoice engine);
 
-  /// Takes each recorded frame after the engine `now` has made it again.
-  /// @returns the engine that replaces `now`; null: `now` goes on. The error says why zones cannot be made.
+  /// Takes each recorded frame after the engine `now` has cut it again.
+  /// @returns the engine that replaces `now`; null: continue with `now`. The error says why the coarser zones
+  /// cannot be made.
   [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> Add(
       const simulation::FrameRecord& frame, const simulation::CuttingEngine& now);
 

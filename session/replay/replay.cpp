@@ -17,11 +17,12 @@ namespace {
 using control::TickRecord;
 using simulation::ContactModel;
 
-// A killed process loses its last frames, while the ticks that saw them may already be written. Such ticks at
-// the end do not make a replay differ if they span at most this time.
+// A killed process loses its last frames, while the ticks that used these frames may already be written. If
+// such ticks at the end span at most this time, the replay still counts as identical.
 constexpr rt::Nanoseconds kMaxTornEnd = rt::kSecond;
 
-// The contact models that ticks may have seen, found by a tick's description of its model.
+// The contact models of a recording's frames. A tick's record of its model (frame, stamp, status) finds the
+// model.
 class Models {
  public:
   explicit Models(const std::vector<simulation::FrameRecord>& frames) {
@@ -44,7 +45,7 @@ class Models {
 
  private:
   std::map<std::tuple<std::uint64_t, rt::Nanoseconds, std::uint8_t>, const ContactModel*> models_;
-  ContactModel none_;  // before the first frame
+  ContactModel none_;  // the model that ticks see before the first frame
   std::uint64_t last_frame_{0};
 };
 
@@ -115,7 +116,7 @@ ReplayResult Replay(const io::Recording& recording, const config::CellConfig& ce
     if (!result.why_not.empty()) break;
 
     TickRecord replayed = control::ReplayTick(loop, recorded, *model, command);
-    // compare the command as it is sent, not the loop's own record of it
+    // compare the command that is sent, not the loop's own record of it
     replayed.q_cmd = command.q;
     replayed.activation_cmd = command.activation;
     replayed.F_cmd_T = command.F;

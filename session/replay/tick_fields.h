@@ -59,8 +59,8 @@ void ForceTorque(const char* name, const PlainWrench& F, Visit& visit) {
   Vector(name, F.t, "Nm", visit);
 }
 
-/// Visits the fields of compliance. A rigid cell has only zeros, in the poses as well; so have older
-/// recordings.
+/// Visits the fields of compliance. In a rigid cell, and in recordings from before these fields existed, all
+/// are zero, including the poses.
 template <class Visit>
 void Compliance(const control::ComplianceRecord& r, Visit& visit) {
   PlainPose zeros;
@@ -79,7 +79,7 @@ void Compliance(const control::ComplianceRecord& r, Visit& visit) {
 
 }  // namespace fields
 
-/// Visits the results of ServoLoop::Tick: a function of its inputs and of the ticks before, bit for bit.
+/// Visits the results of ServoLoop::Tick: the tick's inputs and the ticks before determine them bit for bit.
 template <class Visit>
 void VisitOutputs(const control::TickRecord& r, Visit&& visit) {
   visit(FieldName{"tick"}, r.tick);

@@ -14,14 +14,14 @@ namespace osteon::session {
 namespace {
 
 constexpr double kTrailShare = 0.2;          // tolerance of the thinned trail, as a fraction of the error
-constexpr std::size_t kMaxPlaces = 200'000;  // number of places in the trail, which take minutes to carve
-constexpr std::size_t kCaughtUp = 4;         // number of places that the simulation's thread may carve itself
+constexpr std::size_t kMaxPlaces = 200'000;  // largest trail; carving this many places takes minutes
+constexpr std::size_t kCaughtUp = 4;         // at most this many places are left to the simulation's thread
 // The carver has reached the run's tool pose if it is at most this far away.
 constexpr double kArrived_m = 0.05e-3;
 
 }  // namespace
 
-// A packing in the making. The making thread owns it until `ready`.
+// A packing that is being made. The thread that makes it owns it until `ready`.
 struct AdaptiveResolution::Making {
   Made made;
   std::unique_ptr<simulation::CuttingEngine> carver;  // cuts along the whole trail with the immediate law
@@ -37,8 +37,8 @@ AdaptiveResolution::AdaptiveResolution(const CellSetup& setup, const AdaptiveRes
       lever_m_(simulation::ToolLever(setup.config.tool.tool)),
       level_(setup.planned->plan.packed.level),
       trail_(MakeProxyTrail(setup)) {
-  // Without this, the simulation's thread would copy megabytes whenever the trail outgrew its memory, and the
-  // memory would grow during a long run.
+  // Reserve the memory now. Otherwise the simulation's thread would copy megabytes whenever the trail needs
+  // more memory, and the memory would grow during a long run.
   trail_.Reserve(kMaxPlaces);
 }
 
@@ -74,7 +74,7 @@ void AdaptiveResolution::ObserveFrame(const simulation::FrameRecord& record, dou
 }
 
 void AdaptiveResolution::StartCoarsening(double seen_us) {
-  times_us_.clear();  // the next median is taken of new frames only
+  times_us_.clear();  // the next median is to include new frames only
   next_ = 0;
   const double max_us = params_.within_ratio * 1e6 / params_.rate_hz;
   const auto zones = CoarserFor(setup_.planned->scene, setup_.planned->plan, level_, seen_us, max_us);
@@ -112,7 +112,7 @@ void AdaptiveResolution::PackCoarser(Making& making) {
     } else {
       making.carver = std::move(engines->carver);
       making.made.engine = std::move(engines->engine);
-      // carve along the whole trail, then along the part that was added meanwhile
+      // carve along the whole trail, then along the part that the run added in the meantime
       std::vector<PlainPose> places;
       do {
         {
@@ -151,7 +151,7 @@ std::optional<AdaptiveResolution::Made> AdaptiveResolution::TakeReplacement(
     const std::vector<PlainPose>& places = trail_.places();
     const auto rest = std::span(places).subspan(std::min(making->carved, places.size()));
     if (!simulation::CarveTrail(*making->carver, rest)) return refuse("a frame of the carving was refused");
-    // the replacement has the carver's bone, and the present engine's volume, mass and work
+    // the replacement gets the bone from the carver, and volume, mass and work from the present engine
     simulation::CarvedState carved = making->carver->Snapshot();
     const simulation::CarvedState counted = now.Snapshot();
     if (!simulation::ReachedPose(carved, Pose(counted.X_GP), lever_m_, kArrived_m))

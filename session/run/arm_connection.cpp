@@ -7,7 +7,7 @@
 namespace osteon::session {
 namespace {
 
-// Says what keeps an arm on RSI from being commanded; empty: nothing does.
+// Says what prevents commanding an arm on RSI; empty: nothing does.
 std::string DiagnosisOf(const io::RsiStatus& status, const io::RsiError& error) {
   if (status.sessions == 0 && error) return "What came was refused as RSI: " + io::Describe(error) + ".";
   if (status.sessions == 0)
@@ -89,7 +89,7 @@ void ArmConnection::EndSession() {
   rsi.RequestStop();
   control::ArmState state;
   const rt::Nanoseconds until = rt::MonotonicNow() + kMaxEndDelay;
-  // an arm that has ended is silent; if an answer was lost, the arm asks again
+  // the arm is silent once it has ended its session; if it missed the answer, it sends another message
   while (rsi.Receive(state, until) == control::ReceiveResult::kOk && rt::MonotonicNow() < until)
     static_cast<void>(rsi.Send({}));
 }

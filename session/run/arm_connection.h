@@ -13,11 +13,12 @@
 #include "io/fri/fri_link.h"
 #include "io/rsi/rsi_link.h"
 
-// The connection to a cell's arm by the protocol that its file chooses.
+// The connection to a cell's arm by the protocol that the cell's file names.
 
 namespace osteon::session {
 
-/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Warns if a lost answer makes the arm jump.
+/// Names the protocol: "FRI 1.15", "RSI im_free, axes, 4 ms". Adds a warning if a lost answer would make the
+/// arm jump.
 [[nodiscard]] std::string Describe(const config::ArmLinkConfig& link);
 
 /// Whether the protocol can ask the arm's program to end the session. If not, the program has to notice by
@@ -32,7 +33,7 @@ class ArmProtocolSession {
  public:
   explicit ArmProtocolSession(const config::ArmLinkConfig& link);
 
-  /// Decodes a datagram. Returns true if `state` now holds its content. See io::FriSession::Accept,
+  /// Decodes a datagram. Returns true if `state` now has its content. See io::FriSession::Accept,
   /// io::RsiSession::Accept.
   bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds stamp, control::ArmState& state);
   /// Returns the datagram that answers the last accepted message; empty if no answer is due. Valid until the
@@ -42,7 +43,7 @@ class ArmProtocolSession {
   /// Makes the next answers ask the arm's program to end the session. False if the protocol cannot.
   bool RequestStop();
 
-  /// Says what keeps the arm from being commanded; empty if nothing does.
+  /// Says what prevents commanding the arm; empty: nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:
@@ -50,7 +51,7 @@ class ArmProtocolSession {
   bool can_stop_;
 };
 
-/// The client's side in wall time, over a socket.
+/// The client's side of the connection in wall time, over a socket.
 class ArmConnection {
  public:
   /// Opens the socket. The error names address and port, and says what to do.
@@ -61,10 +62,10 @@ class ArmConnection {
   [[nodiscard]] control::ArmLink& link();
 
   /// Asks the arm's program to end the session, if the protocol can, and waits for that end, at most
-  /// kMaxEndDelay. Without this, the arm misses its answers and stops with a fault of its own.
+  /// kMaxEndDelay. Without this call, the arm would miss the answers and stop with a fault of its own.
   void EndSession();
 
-  /// Says what keeps the arm from being commanded; empty if nothing does.
+  /// Says what prevents commanding the arm; empty: nothing does.
   [[nodiscard]] std::string Diagnosis() const;
 
  private:

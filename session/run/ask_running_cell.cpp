@@ -22,14 +22,14 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-constexpr std::size_t kNameWidth = 20;  // columns up to a row's value
+constexpr std::size_t kNameWidth = 20;  // number of columns before a row's value
 
 void PrintRow(const char* name, const std::string& value) {
   fmt::print("  {:<{}} {}\n", name, kNameWidth - 3,
              base::WrapForTerminal(base::Printable(value), kNameWidth));
 }
 
-// Joins a list's texts: "force, speed".
+// Joins the texts of a list, as in "force, speed".
 std::string JoinedNames(const nlohmann::json& names) {
   std::string text;
   for (const auto& name : names)
@@ -37,7 +37,7 @@ std::string JoinedNames(const nlohmann::json& names) {
   return text;
 }
 
-// "26.3 ms from hand to arm (sensor 1.0, …), 30.2 ms from bone to hand; assumed: sensor".
+// Formats "26.3 ms from hand to arm (sensor 1.0, …), 30.2 ms from bone to hand; assumed: sensor".
 std::string LatencyLine(const nlohmann::json& latency) {
   std::string parts, assumed;
   for (const auto& [name, part] : ValueAt(latency, "parts").items()) {
@@ -52,21 +52,22 @@ std::string LatencyLine(const nlohmann::json& latency) {
                      parts, assumed.empty() ? "" : "; assumed: " + assumed);
 }
 
-// "48 mm, 2 of 4".
+// Formats the tool in use, its diameter and its number in the plan: "48 mm, 2 of 4".
 std::string ToolLine(const nlohmann::json& procedure) {
   const nlohmann::json& tool = ValueAt(procedure, "tool");
   return fmt::format("{:g} mm, {:g} of {:g}", NumberAt(tool, "diameter_mm"), NumberAt(tool, "number"),
                      NumberAt(tool, "of"));
 }
 
-// "3, and 1 undone".
+// Formats the number of passes: "3, and 1 undone".
 std::string PassesLine(const nlohmann::json& procedure) {
   const double undone = NumberAt(procedure, "undone");
   return fmt::format("{:g}{}", NumberAt(procedure, "passes"),
                      undone > 0.0 ? fmt::format(", and {:g} undone", undone) : "");
 }
 
-// "3.2 mm above its planned place, 0.4 mm aside, tilted by 2.1°; outside the plan's corridor: tilt".
+// Formats the tool's place relative to the plan: "3.2 mm above its planned place, 0.4 mm aside, tilted by
+// 2.1°; outside the plan's corridor: tilt".
 std::string PlaceLine(const nlohmann::json& procedure) {
   if (!FlagAt(procedure, "known")) return "not known before the first frame";
   const double to_go_mm = NumberAt(procedure, "to_go_mm");
@@ -80,7 +81,7 @@ std::string PlaceLine(const nlohmann::json& procedure) {
                      beyond.empty() ? "" : "; outside the plan's corridor: " + beyond);
 }
 
-// "61.2 of 100 so far, 30 points open; 2 passes, 14 s ago".
+// Formats the score: "61.2 of 100 so far, 30 points open; 2 passes, 14 s ago".
 std::string ScoreLine(const nlohmann::json& score) {
   if (!FlagAt(score, "known")) return "not known before the first pass has ended";
   std::string text = fmt::format("{:.1f} of {:g} so far, {:g} points open; of {:g} pass{}, {:g} s ago",
@@ -105,7 +106,7 @@ void PrintProcedure(const nlohmann::json& procedure) {
   if (const std::string left = TextAt(score, "unfinished"); !left.empty()) PrintRow("Left of the plan", left);
 }
 
-// Says to the person who asked what a request has done; `procedure` is null without a session.
+// Makes the text that tells the user what a request has done; `procedure` is null without a session.
 std::string DoneText(const std::string& request, const nlohmann::json& procedure) {
   if (request == "pause") return "the cell brakes to rest";
   if (request == "resume") return "motion begins once every condition holds";
@@ -179,7 +180,7 @@ std::string RunningCells(const std::vector<std::filesystem::path>& running) {
   return text;
 }
 
-// Whether a running cell is the one that the user names: by its session's folder, or by the cell's name.
+// Whether the user's name for a cell fits this running cell: the folder of its session, or the cell's name.
 bool IsNamed(const nlohmann::json& run, const std::string& name) {
   if (TextAt(run, "cell") == name) return true;
   const auto session = run.find("session");

@@ -47,7 +47,7 @@ tl::expected<std::unique_ptr<CellConsole>, std::string> CellConsole::Open(const 
                                                                           const std::string& cell,
                                                                           double seconds) {
   std::unique_ptr<CellConsole> made(new CellConsole(config.link.rsi() != nullptr));
-  CellSetup setup;  // has no bone; the site at which it would be cut is drawn all the same
+  CellSetup setup;  // it has no bone, but the site to cut is drawn
   setup.config = config;
   setup.cell_name = cell;
   setup.bone.name = cell;

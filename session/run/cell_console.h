@@ -13,7 +13,7 @@
 namespace osteon::session {
 
 /// The page of `osteon cell`: the true motion of the simulated arm, its operator's hand, its spindle, and the
-/// permissions of PLC and arm. It shows neither bone nor coupling, which belong to the controller; the
+/// permissions of PLC and arm. It shows neither bone nor coupling, which only the controller knows; the
 /// controller's run has a page of its own. The page accepts no requests: the cell's script presses the
 /// buttons.
 ///
@@ -25,9 +25,10 @@ class CellConsole {
   [[nodiscard]] static tl::expected<std::unique_ptr<CellConsole>, std::string> Open(
       const ConsoleChoice& choice, const config::CellConfig& config, const std::string& cell, double seconds);
 
-  /// Takes a cycle of the arm, in order. One thread.
+  /// Takes the next cycle of the arm. Call it from one thread only.
   void TakeCycle(const hil::CellState& cycle);
-  /// Takes the newest state, and the lines that the screen prints about it. The same thread.
+  /// Takes the newest state, and the lines that the screen prints about it. Call it from the thread of
+  /// TakeCycle.
   void Show(const hil::CellHostState& state, const std::vector<std::string>& lines);
   [[nodiscard]] std::string url() const { return server_->url(); }
 
@@ -36,21 +37,22 @@ class CellConsole {
   [[nodiscard]] std::string Note();
 
   bool rsi_;                       // the arm is connected by RSI, not by FRI
-  double spindle_rad_per_s_{0.0};  // in the newest state
-  rt::Nanoseconds stamp_{0};       // of the newest cycle
+  double spindle_rad_per_s_{0.0};  // spindle speed in the newest state
+  rt::Nanoseconds stamp_{0};       // stamp of the newest cycle
   console::LiveFeed feed_;
   console::SurfaceStore surface_;                   // stays empty
   std::mutex mutex_;                                // guards note_
   std::string note_;                                // the newest state, as the message for the pages
-  std::unique_ptr<console::ConsoleServer> server_;  // last: its threads use the others
+  std::unique_ptr<console::ConsoleServer> server_;  // declared last: its threads use the other members
 };
 
 /// Makes the message for the pages, {"type": "cell", …}; console/web/src/messages.ts has its fields.
 /// @param rsi  the arm is connected by RSI, not by FRI
 [[nodiscard]] std::string CellNote(const hil::CellHostState& state, bool rsi);
 
-/// Makes a record of the stream from a cycle of the simulated arm: the true pose stands for the commanded
-/// one, and a controller's fields (state, coupling, limits) are absent. @param spindle_rad_per_s  measured
+/// Makes a tick record for the pages from a cycle of the simulated arm. The true pose takes the place of the
+/// commanded one; the controller's fields (state, coupling, limits) are absent. @param spindle_rad_per_s
+/// measured spindle speed
 [[nodiscard]] control::TickRecord RecordOf(const hil::CellState& cycle, double spindle_rad_per_s);
 
 }  // namespace osteon::session

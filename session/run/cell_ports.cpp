@@ -12,9 +12,10 @@ namespace osteon::session {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::uint16_t kFirstTunnel = 29536;  // first port for buses whose file names a real interface
+constexpr std::uint16_t kFirstTunnel = 29536;  // first tunnel port for a bus with a real interface
 
-// Index of the guard's port among the cell's consecutive ports: after the arm, the PLC, and two per bus.
+// Index of the guard's port among the cell's consecutive ports: after the port of the arm, the port of the
+// PLC, and two ports for each CAN bus.
 int GuardPlace(const config::CellConfig& cell) { return 2 + 2 * static_cast<int>(cell.devices.buses.size()); }
 // Number of consecutive ports that the cell takes.
 int PortCount(const config::CellConfig& cell) { return GuardPlace(cell) + (cell.guard ? 1 : 0); }

@@ -33,7 +33,7 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
   close(file);
 
   std::unique_ptr<CellProcess> cell(new CellProcess(report));
-  // the arguments of both processes
+  // the arguments that the cell's process and the guard's process share
   std::vector<std::string> common_words{std::filesystem::absolute(params.cell).string()};
   if (params.first_port != 0)
     common_words.insert(common_words.end(), {"--port", std::to_string(params.first_port)});
@@ -43,7 +43,7 @@ tl::expected<std::unique_ptr<CellProcess>, std::string> CellProcess::Start(const
     return base::ChildProcess::Start({.words = std::move(words)});
   };
 
-  // no page for the cell's process: the run has one
+  // the cell's process serves no page, because the run's own process serves one
   std::vector<std::string> words{"cell", "--json", report, "--console", "off"};
   if (!params.identified.empty())
     words.insert(words.end(), {"--identified", std::filesystem::absolute(params.identified).string()});

@@ -19,17 +19,17 @@ namespace osteon::session {
 struct CellProcessParams {
   std::filesystem::path cell;                ///< the cell's YAML file
   std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
-  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
-  std::filesystem::path plan{};  ///< plan that its simulated operator follows; empty: the cell's own script
-  std::string hand{"expert"};    ///< that operator's hand
-  double seconds{0.0};           ///< duration of the operator's script; 0: as the file says
-  std::uint16_t first_port{0};   ///< see UseSimulatedWires; 0: the file's
-  int cpu{-1};                   ///< CPU for its real-time threads; -1: any
+  std::filesystem::path identified{};        ///< file of `osteon identify`; empty: the cell's own, if any
+  std::filesystem::path plan{};  ///< plan that the simulated operator follows; empty: the cell's own script
+  std::string hand{"expert"};    ///< the simulated operator's hand
+  double seconds{0.0};           ///< duration of the operator's script; 0: as the cell's file says
+  std::uint16_t first_port{0};   ///< see UseSimulatedWires; 0: the ports of the cell's file
+  int cpu{-1};                   ///< CPU for the cell's real-time threads; -1: any
   bool guard{false};             ///< start the cell's guard as well
 };
 
-/// Runs `osteon cell` as a separate process of this program's file, and `osteon guard` as another if the cell
-/// has a guard. Both end with this process, however it ends.
+/// Starts this program again as `osteon cell` in a separate process, and as `osteon guard` in another if the
+/// cell has a guard. Both processes end when this process ends, even if it crashes.
 class CellProcess {
  public:
   /// Starts the processes. The error says why that failed.
@@ -40,7 +40,7 @@ class CellProcess {
   CellProcess(const CellProcess&) = delete;
   CellProcess& operator=(const CellProcess&) = delete;
 
-  /// Whether the cell's process has ended by itself; it has then said why on stderr.
+  /// Whether the cell's process has ended by itself. It then has printed the reason on stderr.
   [[nodiscard]] bool Ended() { return process_->Ended(); }
 
   /// Asks the cell's process to end at once. Callable from any thread.
@@ -53,8 +53,8 @@ class CellProcess {
  private:
   explicit CellProcess(std::filesystem::path report) : report_(std::move(report)) {}
 
-  std::unique_ptr<base::ChildProcess> process_;  // of the cell
-  std::unique_ptr<base::ChildProcess> guard_;    // null: none was started
+  std::unique_ptr<base::ChildProcess> process_;  // process of the cell
+  std::unique_ptr<base::ChildProcess> guard_;    // process of the guard; null: none was started
   std::filesystem::path report_;                 // temporary file for the cell's report
 };
 

@@ -38,9 +38,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kVirtualGiveUp_s = 30.0;  // longest wait for COMMANDING_ACTIVE, or for rest after the end
+constexpr double kVirtualGiveUp_s = 30.0;  // longest wait for COMMANDING_ACTIVE, or for rest after the stop
 
-constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // how often a run is supervised
+constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // time between two checks of a run
 
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -51,14 +51,14 @@ rt::Nanoseconds UtcNow() {
 struct CellConnections {
   std::optional<ArmConnection> arm;
   std::unique_ptr<io::WiredDevices> devices;
-  std::unique_ptr<CellProcess> cell;  // null: this run did not start it
-  FaultEvents* faults{nullptr};       // of the run's recording
+  std::unique_ptr<CellProcess> cell;  // the simulated cell; null: this run started none
+  FaultEvents* faults{nullptr};       // fault events of the run's recording
 };
 
 // Opens the connections to arm and devices; the cell's process is started later.
 tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setup) {
   CellConnections connections;
-  // behind a guard, the guard receives the arm's messages
+  // with a guard, the messages come from the guard: accept the first sender instead of the arm's address
   auto arm = ArmConnection::Open(setup.config.link, setup.config.guard ? "" : setup.config.link.arm_host);
   if (!arm) return tl::make_unexpected(arm.error());
   connections.arm = std::move(*arm);
@@ -68,7 +68,7 @@ tl::expected<CellConnections, std::string> OpenConnections(const CellSetup& setu
   return connections;
 }
 
-// Passes an operator's requests to the loop, each once, and reports them as a notice.
+// Passes each of the operator's requests to the loop once, and reports it as a notice.
 void ApplyRequests(const CellRunParams& params, control::ServoLoop& loop) {
   if (!params.requests) return;
   const bool pause = params.requests->pause.exchange(false), resume = params.requests->resume.exchange(false),
@@ -92,7 +92,7 @@ void SetTools(const CellRunParams& params, control::ServoLoop& loop) {
 class ProcedureSink final : public io::RecordSink {
  public:
   explicit ProcedureSink(const CellRunParams& params) : live_(params.live), procedure_(params.procedure) {}
-  /// The sink for the recorder; null: there is neither session nor live view.
+  /// The sink that the recorder is given; null: there is neither session nor live view.
   [[nodiscard]] io::RecordSink* sink() { return procedure_ ? this : live_; }
   void TakeTick(const control::TickRecord& tick) override {
     procedure_->OnTick(tick);
@@ -110,8 +110,8 @@ class ProcedureSink final : public io::RecordSink {
   ProcedureSession* procedure_;
 };
 
-// Time for which the arm is still answered and recorded after it has come to rest [s]. If its program can be
-// asked to end, it is asked at once, before a PLC switches off the arm's power.
+// Time for which the arm is still answered and recorded after it has come to rest [s]. It is 0 if the arm's
+// program can be asked to end: the program is then asked at once, before a PLC switches off the arm's power.
 double AtRest_s(const CellSetup& setup, const CellRunParams& params) {
   return CanRequestStop(setup.config.link) ? 0.0 : params.at_rest_s;
 }
@@ -121,7 +121,8 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
                                                   CellConnections& connections, io::Recorder& recorder,
                                                   const CellRunParams& params) {
   CellRunResult result;
-  // the second loop computes each tick again, so that an error of computation is found
+  // the second loop computes each tick again and is compared with the first, so that an error of the computer
+  // is found
   control::ServoLoop loop = MakeServoLoop(setup.config), second = MakeServoLoop(setup.config);
   SetTools(params, loop);
   SetTools(params, second);
@@ -157,7 +158,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     const auto supervise = [&] {
       cell_died |= !done.load() && connections.cell && connections.cell->Ended();
       if (params.remote && !engine_died && !params.remote->DescribeEnd().empty()) {
-        engine_died = true;  // the servo loop notices by the model's age, and stops
+        engine_died = true;  // the servo loop stops when the model gets too old
         if (params.notice) params.notice("the engine's process has ended: " + params.remote->DescribeEnd());
         recorder.PushEvent(rt::MonotonicNow(),
                            "the engine's process has ended: " + params.remote->DescribeEnd());
@@ -184,7 +185,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     });
     while (!done.load()) {
       std::this_thread::sleep_for(kSupervisionPeriod);
-      if (!result.internal_error.empty()) continue;  // the arm is still braking
+      if (!result.internal_error.empty()) continue;  // after an internal error, wait until the arm has braked
       try {
         supervise();
       } catch (const std::exception& error) {  // the arm moves and must still come to rest
@@ -198,7 +199,7 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
     const std::string& wrong = simulation ? simulation->error() : receiver->error();
     if (!wrong.empty()) result.internal_error = "simulation: " + wrong;
   }
-  // the input is right, but the arm stands in the wrong place
+  // the input was valid, but the path from the arm's position to the start is not free
   if (!start.why_not().empty())
     return tl::make_unexpected(
         CellRunError{.what = start.why_not() + " (a simulated cell: start it anew)", .begun = true});
@@ -215,13 +216,14 @@ tl::expected<CellRunResult, CellRunError> RunWall(const CellSetup& setup, FrameR
   result.recovered = servo.recovered;
   result.operator_recoveries = servo.operator_recoveries;
   result.cleared = servo.cleared;
-  // also faults that no tick has
+  // also record faults that appear in no tick's record
   connections.faults->Record(recorder, rt::MonotonicNow(), servo.faults.bits());
   RecordEnd(recorder, rt::MonotonicNow(), result, params.seconds);
   return result;
 }
 
-// Ends the session as ArmConnection::EndSession() does, if the arm's program can be asked to.
+// Asks the arm's program to end the session, if the protocol can, and steps the cell until it has ended.
+// ArmConnection::EndSession() does the same in wall time.
 void EndSession(ArmProtocolSession& session, hil::ImpairedCell& cell, rt::Nanoseconds period) {
   if (!session.RequestStop()) return;
   control::ArmState state;
@@ -254,7 +256,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   control::ArmState state;
   control::ArmCommand command;
   simulation::ContactModel model;
-  std::optional<simulation::FrameRecord> pending;  // the frame that has not arrived yet
+  std::optional<simulation::FrameRecord> pending;  // computed, but not visible to the loop yet
   FaultEvents faults;
   bool stopped_by_user = false;
 
@@ -262,11 +264,11 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   const auto frame_ticks = std::max<std::int64_t>(1, std::llround(params.frame_s / cell.period_s()));
   const auto wanted_ticks = static_cast<std::uint64_t>(params.seconds / cell.period_s() + 0.5);
   const auto max_idle_ticks = static_cast<std::int64_t>(kVirtualGiveUp_s / cell.period_s());
-  std::int64_t idle_ticks = 0;  // without progress of rendering or a pause, or since the run is to end
-  std::uint64_t active_before = 0, held_ticks = 0;  // ticks in COMMANDING_ACTIVE, and of these during a hold
+  std::int64_t idle_ticks = 0;  // ticks in a row without rendering or a pause, or since the requested end
+  std::uint64_t active_before = 0, held_ticks = 0;  // COMMANDING_ACTIVE ticks: so far; during holds
   bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
-  // whether the arm is held at a fault until an operator asks for a recovery
+  // whether the run waits, after a fault, for an operator's request for recovery
   const auto holds = [&] {
     return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
   };
@@ -285,7 +287,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     (*devices)->SetLoad(cell.cell().force().F_S);
     const auto received = accepted ? control::ReceiveResult::kOk : control::ReceiveResult::kTimeout;
 
-    // the previous frame has arrived
+    // the previous frame becomes visible to the loop
     if (tick % frame_ticks == 0 && pending) {
       model = pending->model;
       pending->stamp = now;
@@ -311,7 +313,8 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     if (params.ticked) params.ticked(record, model);
     recovering = false;
     if (const auto answer = session.Answer(command); accepted && !answer.empty()) cell.Receive(answer);
-    // without a pose there is nothing to render, and a frame would drag the proxy through the bone
+    // compute no frame before a pose is known: it would drag the proxy through the bone to the first real
+    // pose
     if (tick % frame_ticks == 0 && loop.tool_command().stamp != 0) pending = runner.Run(loop.tool_command());
 
     faults.Record(recorder, now, loop.faults().bits());
@@ -370,7 +373,8 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
   runner.SetNotice(params.notice);
   runner.SetSurface(params.surface);
   runner.SetObserver(params.procedure);
-  // checks that may refuse the run come first: only a run may overwrite an earlier recording
+  // do the checks that may refuse the run first, because a refused run must not overwrite an earlier
+  // recording
   CellConnections connections;
   if (!params.virtual_time) {
     auto opened = OpenConnections(setup);
@@ -444,7 +448,7 @@ tl::expected<CellRunResult, CellRunError> RunCell(const CellSetup& setup, simula
                                  : RunWall(setup, runner, connections, **recorder, params);
   if (!run) return refuse(run.error());
   CellRunResult& result = *run;
-  if (!params.virtual_time) {  // in virtual time no packing is still being made
+  if (!params.virtual_time) {  // in virtual time, no packing is being made now
     runner.EndAdaptiveResolution();
     runner.RecordEvents(**recorder, rt::MonotonicNow());
   }

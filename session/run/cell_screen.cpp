@@ -42,7 +42,7 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
   std::vector<std::string> lines;
   const hil::CellState& arm = state.arm.cell;
   if (arm.session != session_) {
-    // the arm's program restarts again and again while nobody answers: report that only once
+    // while nobody answers, the arm's program restarts again and again: report its state only once
     if (arm.counters.answered > 0 || !told_) lines.push_back(SessionLine(state));
     told_ = true;
     session_ = arm.session;
@@ -64,8 +64,9 @@ std::vector<std::string> CellScreen::Lines(const hil::CellHostState& state, doub
   return lines;
 }
 
-// Formats "COMMANDING_ACTIVE", or with the reason for leaving the previous state if the arm knows it:
-// "COMMANDING_ACTIVE -> MONITORING_WAIT: 5 answers in a row lost, …".
+// Formats the new state, "COMMANDING_ACTIVE". After a step back to an earlier state, adds the previous state
+// and the reason for leaving it, if the arm knows the reason: "COMMANDING_ACTIVE -> MONITORING_WAIT: 5
+// answers in a row lost, …".
 std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   const hil::CellState& arm = state.arm.cell;
   const std::string now = rsi_ ? RsiStateText(arm.session) : SessionName(arm.session);
@@ -77,7 +78,7 @@ std::string CellScreen::SessionLine(const hil::CellHostState& state) const {
   return before + now + (why.empty() ? "" : ": " + why);
 }
 
-// Says why nobody answers, as far as the arm and the PLC know it.
+// Says why nobody answers, as far as it is known from the arm and the PLC.
 std::string CellScreen::DescribeSilence(const hil::CellHostState& state, bool comes_back) const {
   const hil::CellState& arm = state.arm.cell;
   std::string text;

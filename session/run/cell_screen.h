@@ -12,10 +12,10 @@ namespace osteon::session {
 [[nodiscard]] const char* RsiStateText(control::SessionState state);
 
 /// Makes the lines that `osteon cell` prints while it runs: each new state of the arm's session with the
-/// reason for leaving the last one, and, after a second without traffic, what the cell waits for: an arm
-/// controller that answers, or a PLC master.
+/// reason for leaving the last one, and, after a second without traffic, what the cell waits for: a
+/// controller that answers the arm's messages, or a PLC master that connects.
 ///
-/// An arm on FRI is described by FRI's session states, an arm on RSI by what RSI does.
+/// With FRI, the lines name FRI's session states. With RSI, they say what RSI does (RsiStateText).
 class CellScreen {
  public:
   explicit CellScreen(const config::CellConfig& cell);
@@ -25,13 +25,13 @@ class CellScreen {
 
  private:
   [[nodiscard]] std::string SessionLine(const hil::CellHostState& state) const;
-  // @param comes_back  the arm's messages cannot be delivered
+  // @param comes_back  the arm's messages are rejected: no program listens on the controller's port
   [[nodiscard]] std::string DescribeSilence(const hil::CellHostState& state, bool comes_back) const;
 
   bool rsi_, has_plc_;
-  std::string controller_, plc_;  // address and port
+  std::string controller_, plc_;  // address and port of the controller and of the PLC
   control::SessionState session_{control::SessionState::kIdle};
-  bool told_{false};                                      // a state was printed before anybody had answered
+  bool told_{false};                                      // a state was printed before anybody answered
   std::uint64_t answered_{0}, undelivered_{0};            // counts of the arm's messages at the last call
   double last_answer_s_{0.0}, last_undelivered_s_{-1.0};  // times at which these counts last rose
   std::string silence_;                                   // line about the silence that was printed last

@@ -10,13 +10,13 @@
 namespace osteon::session {
 namespace {
 
-// A tool that is faster moves.
+// A tool that is faster than this counts as moving.
 constexpr double kRest_m_per_s = 0.002, kRest_rad_per_s = 0.02;
 
 constexpr const char* kHeader =
     "stamp_ns,session,apex_x_m,apex_y_m,apex_z_m,speed_m_per_s,turn_rad_per_s,hand_N";
 
-// Takes a column off the row. False if it is not a number.
+// Reads the first column of the row and removes it. False if it is not a number.
 template <class Number>
 bool ParseField(std::string_view& row, Number& number) {
   const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);

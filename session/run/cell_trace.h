@@ -19,14 +19,15 @@ struct CellCycle {
   control::SessionState session{control::SessionState::kIdle};
   Vector3 p_WT_m{Vector3::Zero()};  ///< place of the tool's apex in the world
   double speed_m_per_s{0.0}, turn_rad_per_s{0.0};
-  double hand_N{0.0};  ///< force of the operator's hand
+  double hand_N{0.0};  ///< size of the force of the operator's hand
 };
 
-/// Whether the tool moves faster than an arm at rest may: 2 mm/s, 0.02 rad/s.
+/// Whether the tool moves: it is faster than 2 mm/s or 0.02 rad/s.
 [[nodiscard]] bool Moves(const CellCycle& cycle);
 
 /// Returns how long the arm has been at rest at the end of `cycles`, counted from `since` at the earliest. An
-/// arm that is commanded (COMMANDING_ACTIVE) is not at rest, however slow it is: its stop is still to come.
+/// arm that is commanded (COMMANDING_ACTIVE) does not count as at rest, however slow it is, because its stop
+/// is still to come.
 [[nodiscard]] rt::Nanoseconds RestedFor(const std::vector<CellCycle>& cycles, rt::Nanoseconds since);
 
 /// Writes each cycle of a simulated arm into a CSV file while the arm runs.
@@ -39,8 +40,8 @@ class CellTraceWriter {
   /// Writes a cycle; a reader sees it after Flush.
   void Write(const hil::CellState& cycle);
   void Flush() { stream_.flush(); }
-  /// Writes the file's end. @param dropped  cycles that did not get here
-  /// The error names the file, and what is missing.
+  /// Writes the file's end. @param dropped  number of cycles that were lost before Write The error names the
+  /// file, and what is missing.
   [[nodiscard]] tl::expected<void, std::string> Close(std::uint64_t dropped);
 
  private:

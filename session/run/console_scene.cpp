@@ -22,7 +22,7 @@ using nlohmann::json;
 
 json Row(const Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
-// The twelve numbers of [R | p], row by row.
+// Makes a list of the twelve numbers of [R | p], row by row.
 json Rows(const Pose& X) {
   json numbers = json::array();
   for (int row = 0; row < 3; ++row)
@@ -30,7 +30,7 @@ json Rows(const Pose& X) {
   return numbers;
 }
 
-// The arm's joints from base to flange.
+// Makes the list of the arm's joints from base to flange.
 template <int N>
 json Chain(const kinematics::ChainParams<N>& chain) {
   json joints = json::array();
@@ -50,7 +50,7 @@ json Tool(const config::ToolConfig& tool) {
   return {{"name", tool.tool.name}, {"balls", Balls(tool.tool)}, {"X_FT", Rows(tool.X_FT)}};
 }
 
-// The workspace's sphere, and then its further zones.
+// Makes the list of the workspace's sphere and zones.
 json Zones(const safety::WorkspaceParams& workspace) {
   constexpr std::array<const char*, 5> kShapes{"half_space", "sphere", "box", "cylinder", "capsule"};
   constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
@@ -80,8 +80,8 @@ const EffectiveLimit& LimitOf(const std::vector<EffectiveLimit>& limits, std::st
   return *std::ranges::find(limits, name, &EffectiveLimit::name);
 }
 
-// Makes the function for the distance left to the depth limit, as the loop measured it: from the bent head if
-// the bound moves with the bone.
+// Makes a function that returns the distance left to the depth limit, as the loop measures it. If the limit
+// moves with the bone, it is measured from the head of the bent tool.
 std::function<double(const control::TickRecord&)> DepthLeft(const safety::DepthLimitParams& params) {
   if (!params.acts) return {};
   return [bound = safety::ZoneOf(params),
@@ -99,7 +99,7 @@ std::string ConsoleScene(const CellSetup& setup, const std::string& command, dou
   const config::CellConfig& cell = setup.config;
   const simulation::CutSite& site = setup.bone.site;
   json materials = json::array();
-  // a bone that was not packed has none yet
+  // a bone that was not packed has no materials yet
   for (const simulation::Material& material :
        setup.bone.materials.empty() ? setup.config.scene.materials : setup.bone.materials)
     materials.push_back(material.name);

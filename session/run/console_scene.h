@@ -10,9 +10,9 @@
 
 namespace osteon::session {
 
-/// Makes the JSON (osteon.scene/1) of all that the console shows and that does not change in a run: bone,
+/// Makes the JSON (osteon.scene/1) of everything on the console that does not change during a run: bone,
 /// site, tool, arm, zones, limits. Lengths are in m, poses are rows of [R | p].
-/// @param command, seconds, recording  of the run
+/// @param command, seconds, recording  command, requested duration and recording of the run
 /// @param tools  in the order of TickInput::tool_index; empty: only the cell's own tool
 [[nodiscard]] std::string ConsoleScene(const CellSetup& setup, const std::string& command, double seconds,
                                        const std::string& recording,

@@ -34,9 +34,9 @@ namespace {
 
 // Default duration of a demo with a plan [s].
 constexpr double kSecondsPerReamer = 15.0, kNoviceSecondsPerReamer = 60.0, kSecondsPerBurr = 60.0;
-constexpr double kSecondsOfLastPush = 20.0;  // in addition, while an expert dwells with the last reamer
+constexpr double kSecondsOfLastPush = 20.0;  // additional time for an expert's longer push of the last reamer
 
-// Folder of a session without a given name: in `out`, the first of session, session_2, … that does not exist.
+// Folder of a session without a given name: the first of session, session_2, … that does not exist in `out`.
 std::filesystem::path UnusedSessionFolder(const std::filesystem::path& out) {
   std::error_code error;
   for (int number = 1;; ++number) {
@@ -45,8 +45,8 @@ std::filesystem::path UnusedSessionFolder(const std::filesystem::path& out) {
   }
 }
 
-// Checks the output paths before anything runs: an empty string, or what is wrong. The folders are created
-// later, by RunCell, so that a refused run leaves none.
+// Checks the output paths before anything runs. @returns what is wrong; empty: nothing. The folders are
+// created later, by RunCell, so that a refused run leaves none.
 std::string CheckOutputs(const DemoOptions& options) {
   if (options.out.empty()) return "--out: found no name, accepted a folder";
   if (std::string wrong = ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;
@@ -56,8 +56,8 @@ std::string CheckOutputs(const DemoOptions& options) {
   return ValidateSurfaceFile(options.surface);
 }
 
-// Claims the folder for this process, and moves or removes an earlier demo's files: an empty string, or what
-// is wrong.
+// Claims the folder for this process, and moves or removes an earlier demo's files. @returns what is wrong;
+// empty: nothing
 std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   std::error_code error;
   // RunCell creates the recording's folder, which is another one if there is a session
@@ -72,7 +72,7 @@ std::string MakeRoom(const DemoOptions& options, FolderClaim& claim) {
   return "";
 }
 
-// Saves the tool's motion as a file that can be played again; an empty string, or what is wrong.
+// Saves the tool's motion as a file that can be played again. @returns what is wrong; empty: nothing
 std::string SaveMotion(const DemoOptions& options, const CellSetup& setup, const RunSummary& summary,
                        const std::filesystem::path& recording) {
   const auto motion =
@@ -103,10 +103,10 @@ int PrintResult(const DemoOptions& options, const CellSetup& setup, const simula
                    .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // empty: the counts of `result` are shown in any case
+  if (!run) run = RunAccumulator(setup);  // an empty one: the counts of `result` can still be shown
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
-  if (auto pages = stops.Finish())  // before the report, which links to them
+  if (auto pages = stops.Finish())  // written before the report, which links to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
@@ -174,7 +174,7 @@ int RunDemo(const DemoOptions& asked) {
   if (options.frame_ms && !options.virtual_time)
     return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
                                     *options.frame_ms));
-  // before any other thread exists
+  // do this before any other thread exists, because threads inherit the CPUs
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
   if (const std::string wrong = CheckOutputs(options); !wrong.empty()) return Fail("demo", wrong);
@@ -218,8 +218,8 @@ int RunDemo(const DemoOptions& asked) {
     if (!made) return Fail("demo", made.error());
     session = std::move(*made);
   }
-  // The packing must stay in two cases: the engine of another process has a bone of its own, and a session's
-  // saved states fit only the packing that they were made with.
+  // No adaptive resolution in two cases: an engine in another process keeps its own copy of the bone, and a
+  // session's saved states fit only the packing that they were made with.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
 
   PrintIdentified(setup->config, "demo");
@@ -246,10 +246,10 @@ int RunDemo(const DemoOptions& asked) {
                  base::AskedByOperator());
   live.SetSession(session.get());
   ConsoleChoice console = options.console;
-  // a run in virtual time is over in a moment: it has a page only if a port is demanded
+  // a run in virtual time takes only a moment, so it has a page only if a port is demanded
   console.on &= !options.virtual_time || console.only_this_port;
   live.Open(console, options.foxglove);
-  std::optional<LiveStops> stops;  // a run of virtual time is over in a moment
+  std::optional<LiveStops> stops;  // none in virtual time, which takes only a moment
   if (!options.virtual_time)
     stops.emplace(LiveStopsParams{.cell = setup->config,
                                   .recording = recording,

@@ -20,22 +20,23 @@ struct DemoOptions {
   bool overwrite{false};  ///< remove an earlier demo's files from `out`; false: move them into a folder there
   std::filesystem::path cell;  ///< the cell's YAML
   std::optional<MeshChoice> mesh{};
-  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's
-  std::filesystem::path identified{};        ///< of `osteon identify`, instead of the cell's own; empty: none
+  std::optional<config::ToolChoice> tool{};  ///< replaces the cell's tool
+  std::filesystem::path identified{};        ///< file of `osteon identify`; empty: the cell's own, if any
   FidelityChoice fidelity{};                 ///< how fine the bone is
-  /// With a plan: 15 s for each reamer and 20 more for the last (novice: 60 each) instead of `seconds`.
+  /// With a plan: the duration is not `seconds`, but 15 s for each reamer and 20 s more for the last; for a
+  /// novice or a burr, 60 s for each tool.
   bool default_seconds{false};
-  ProcedureChoice procedure{};  ///< of a plan: its reamers, one after the other
-  bool virtual_time{false};     ///< run as CellRunParams::virtual_time says, without waiting
+  ProcedureChoice procedure{};  ///< plan whose reamers are used one after the other
+  bool virtual_time{false};     ///< run in virtual time, without waiting
   /// Virtual time: duration of a frame; absent: the default of CellRunParams.
   std::optional<double> frame_ms{};
   std::string device{};                 ///< part of a Vulkan device's name
   std::string engine{"auto"};           ///< one of EngineNames
-  std::optional<std::uint16_t> port{};  ///< replaces the cell's
-  int cpu{-1};  ///< for servo thread and simulated arm; all others stay off it; -1: any
-  /// After a fault that allows a recovery, the cell stays at rest until an operator asks for the recovery.
+  std::optional<std::uint16_t> port{};  ///< first port of the simulated cell; absent: the ports of its file
+  int cpu{-1};  ///< for servo thread and simulated arm; all other threads are kept off this CPU; -1: any
+  /// After a fault that allows a recovery, the cell stays at rest until an operator requests the recovery.
   bool hold_at_fault{false};
-  /// Log time from one state of the carved bone to the next in the recording; 0: no states.
+  /// Time between two states of the carved bone in the recording; 0: no states are recorded.
   double bone_state_s{5.0};
   ConsoleChoice console{};              ///< where the console is served
   std::filesystem::path tune{};         ///< result of `osteon tune` for the console; empty: kTuneFile

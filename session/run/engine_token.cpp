@@ -9,7 +9,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::size_t kMinToken = 16;  // number of characters: 64 bits, if they are random hexadecimal digits
+constexpr std::size_t kMinToken = 16;  // smallest length: 16 random hexadecimal digits are 64 bits
 
 }  // namespace
 

@@ -11,7 +11,7 @@ namespace osteon::session {
 /// Records each fault of a run once, as an event "fault: NAME; what the cell does". Any thread.
 class FaultEvents {
  public:
-  /// Records those of the faults that are new. @param stamp  of the events  @param faults  bits of
+  /// Records the faults that are not recorded yet. @param stamp stamp of the events  @param faults  bits of
   /// safety::Fault
   void Record(io::Recorder& recorder, rt::Nanoseconds stamp, std::uint32_t faults);
   /// Forgets the recorded faults after a recovery: each fault is then new again.
@@ -21,11 +21,11 @@ class FaultEvents {
   std::atomic<std::uint32_t> known_{0};  // bits of the recorded faults
 };
 
-/// Records the faults of ticks as they come, and passes all records to the recorder's other sink. It runs in
-/// the recorder's thread, never in the tick's.
+/// Records the faults of each tick that the recorder writes, and passes all records to the next sink. It runs
+/// in the recorder's thread, never in the servo thread.
 class FaultSink final : public io::RecordSink {
  public:
-  /// @param next  gets the same records. Both parameters must outlive this.
+  /// @param next  gets the same records. Both parameters must outlive this object.
   FaultSink(io::RecordSink& next, FaultEvents& events) : next_(next), events_(events) {}
   /// @param recorder  gets the events; must outlive the last tick
   void RecordIn(io::Recorder& recorder) { recorder_ = &recorder; }
@@ -40,7 +40,7 @@ class FaultSink final : public io::RecordSink {
  private:
   io::RecordSink& next_;
   FaultEvents& events_;
-  io::Recorder* recorder_{nullptr};  // null: none yet, no event is made
+  io::Recorder* recorder_{nullptr};  // null: not set yet, no event is recorded
 };
 
 }  // namespace osteon::session

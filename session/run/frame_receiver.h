@@ -10,8 +10,8 @@
 
 namespace osteon::session {
 
-/// Takes the frames of an engine in another process, in wall time. A thread of this process makes events,
-/// surface and recording from them, as SimulationThread does with frames of this process.
+/// Receives the frames of an engine in another process, in wall time. A thread of this process derives
+/// events, surface and recording from them. SimulationThread does the same for an engine in this process.
 class FrameReceiver {
  public:
   FrameReceiver(FrameRunner& runner, io::EngineClient& client, io::Recorder& recorder);
@@ -19,13 +19,13 @@ class FrameReceiver {
   FrameReceiver(const FrameReceiver&) = delete;
   FrameReceiver& operator=(const FrameReceiver&) = delete;
 
-  /// Ends the thread after the frames that have come. Safe to call twice.
+  /// Ends the thread after it has taken the frames that have arrived. Safe to call twice.
   void Stop();
   /// After Stop: the exception that ended the thread early; empty if there was none.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
-  // Takes frames until Stop; then those that have already come.
+  // Takes frames until Stop, and then those that have already arrived.
   void Loop();
 
   FrameRunner& runner_;

@@ -16,7 +16,7 @@ void LiveFaults::TakeTick(const control::TickRecord& tick) {
   UpdateSeen(tick);
   if (changed_)
     if (const std::unique_lock lock(mutex_, std::try_to_lock);
-        lock) {  // otherwise a reader is copying: the next tick tries again
+        lock) {  // if a reader holds the lock, the next tick tries again
       notes_.clear();
       const std::string page =
           stopped_ && !recording_.empty()

@@ -12,8 +12,8 @@
 
 namespace osteon::session {
 
-/// Keeps the measured values of the tick in which each fault of a running cell was latched, and passes all
-/// records on:
+/// Keeps, for each latched fault of a running cell, the values measured in the tick in which it was latched.
+/// Passes all records on:
 ///
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency
 ///                      └── Of(fault) ◀── page, local socket
@@ -21,33 +21,35 @@ namespace osteon::session {
 /// The recorder's writer never waits: it only tries the lock.
 class LiveFaults final : public io::RecordSink {
  public:
-  /// @param cell  outlives this  @param recording  names the pages of the stops  @param next  gets all
-  /// records; outlives this
+  /// @param cell  must outlive this object  @param recording  the pages of the stops are named after it
+  /// @param next  gets all records; must outlive this object
   LiveFaults(const config::CellConfig& cell, std::filesystem::path recording, io::RecordSink& next);
 
   void TakeTick(const control::TickRecord& tick) override;
   void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
   void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
 
-  /// The note of a latched fault; empty texts: it is not latched, or nothing was measured. Any thread.
+  /// The note of a latched fault; its texts are empty if the fault is not latched, or nothing was measured.
+  /// Any thread.
   [[nodiscard]] console::FaultNote Of(safety::Fault fault) const;
 
  private:
-  // Counts a stop that begins, and updates the texts of faults that were latched or cleared in this tick.
+  // Counts the stop if one begins in this tick, and updates the texts of faults that were latched or cleared
+  // in it.
   void UpdateSeen(const control::TickRecord& tick);
 
-  // of the recorder's writer alone
+  // only the recorder's thread uses the following members
   const config::CellConfig& cell_;
   std::filesystem::path recording_;
   io::RecordSink& next_;
   control::TickRecord before_;                 // the last tick
-  bool begun_{false};                          // a tick has come
-  std::size_t stops_{0};                       // number of stops so far: the number of the last one's page
-  bool stopped_{false};                        // a stop has begun since the arm moved last
+  bool begun_{false};                          // at least one tick was taken
+  std::size_t stops_{0};                       // number of stops so far: the number of the last stop's page
+  bool stopped_{false};                        // a stop has begun, and the arm has not moved again since
   std::map<safety::Fault, std::string> seen_;  // measured values of the latched faults, in words
-  bool changed_{false};                        // the notes have changed and are not yet published
+  bool changed_{false};                        // the notes have changed and are not published yet
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::map<safety::Fault, console::FaultNote> notes_;
 };
 

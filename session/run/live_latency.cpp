@@ -16,7 +16,7 @@ void LiveLatency::TakeTick(const control::TickRecord& tick) {
   meter_.Add(tick);
   if (++ticks_ >= std::lround(kPublishInterval_s / period_s_))
     if (const std::unique_lock lock(mutex_, std::try_to_lock);
-        lock) {  // otherwise a reader is copying: the next tick tries again
+        lock) {  // if a reader holds the lock, the next tick tries again
       figures_ = meter_.Figures(period_s_, context_);
       ticks_ = 0;
     }

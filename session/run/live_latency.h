@@ -9,7 +9,7 @@
 
 namespace osteon::session {
 
-/// Measures a run's latency during the run, as the summary does at its end, and passes all records on:
+/// Measures a run's latency during the run, in the same way as the summary at its end. Passes all records on:
 ///
 ///     recorder ──▶ LiveLatency ──▶ LiveFeed
 ///                      └── Status() ◀── status line, page, local socket
@@ -17,14 +17,14 @@ namespace osteon::session {
 /// The recorder's writer never waits: it only tries the lock.
 class LiveLatency final : public io::RecordSink {
  public:
-  /// @param next  gets everything; outlives this
+  /// @param next  gets all records; must outlive this object
   LiveLatency(const config::CellConfig& cell, io::RecordSink& next);
 
   void TakeTick(const control::TickRecord& tick) override;
   void TakeFrame(const simulation::FrameRecord& frame) override { next_.TakeFrame(frame); }
   void TakeEvent(const io::RecordedEvent& event) override { next_.TakeEvent(event); }
 
-  /// The figures of the run so far; not known before the arm was commanded. Any thread may call it.
+  /// The latency of the run so far; it is not known before the arm is commanded. Any thread may call it.
   [[nodiscard]] console::LatencyStatus Status() const;
 
  private:

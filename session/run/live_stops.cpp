@@ -14,7 +14,7 @@ LiveStops::~LiveStops() { Finish(); }
 void LiveStops::TakeTick(const control::TickRecord& tick) {
   next_.TakeTick(tick);
   auto stop = finder_.Add(tick);
-  if (!stop || stop->IsOrderly()) return;  // the page of an orderly end is written after the run
+  if (!stop || stop->IsOrderly()) return;  // the page of an orderly end is written only after the run
   {
     const std::lock_guard lock(mutex_);
     stops_.push_back({.record = std::move(*stop), .number = ++count_});

@@ -13,10 +13,10 @@
 namespace osteon::session {
 
 struct LiveStopsParams {
-  const config::CellConfig& cell;   ///< outlives the writer
+  const config::CellConfig& cell;   ///< must outlive the LiveStops
   std::filesystem::path recording;  ///< the run's recording
-  std::filesystem::path folder;     ///< gets the pages
-  std::string console_url{};        ///< where the cell's page is served; empty: nowhere
+  std::filesystem::path folder;     ///< folder for the pages
+  std::string console_url{};        ///< address of the cell's page; empty: not served
   double force_limit_N{0.0};
 };
 
@@ -26,11 +26,11 @@ struct LiveStopsParams {
 ///     recorder ──▶ LiveStops ──▶ next
 ///                     └─ complete stop ─▶ thread of low priority ─▶ page, table
 ///
-/// The recorder's writer never waits for the page. A page that cannot be written is left to the run's end,
-/// which says why.
+/// The recorder's writer never waits for the page. If a page cannot be written, the run's end tries again and
+/// reports the reason.
 class LiveStops final : public io::RecordSink {
  public:
-  /// @param next  gets everything; outlives this
+  /// @param next  gets all records; must outlive this object
   LiveStops(LiveStopsParams params, io::RecordSink& next);
   ~LiveStops() override;
   LiveStops(const LiveStops&) = delete;
@@ -48,7 +48,7 @@ class LiveStops final : public io::RecordSink {
     StopRecord record;
     std::size_t number;  // counts the run's stops from 1
   };
-  // The thread: writes each page as soon as its stop is in stops_, until Finish.
+  // The thread's function: writes the page of each stop in stops_, until Finish.
   void Run();
 
   LiveStopsParams params_;
@@ -58,7 +58,7 @@ class LiveStops final : public io::RecordSink {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Stop> stops_;  // whose pages are not yet written; guarded by mutex_
+  std::deque<Stop> stops_;  // stops whose pages are not written yet; guarded by mutex_
   bool ended_{false};       // guarded by mutex_
   std::thread thread_;
 };

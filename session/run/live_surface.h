@@ -9,11 +9,11 @@
 
 namespace osteon::session {
 
-/// Starts the thread that updates the surface of the carved bone: that of the bone's solid or, if the solid
-/// is not known, of its balls.
+/// Starts the thread that updates the surface of the carved bone. The surface comes from the bone's solid or,
+/// if the solid is not known, from its balls.
 /// @param setup, sink  must outlive the thread
-/// @param session  a procedure, whose earlier passes are carved first and can be undone; must outlive the
-///   thread; null: none
+/// @param session  session of a procedure; its earlier passes are carved first, and an undo restores the
+/// surface; must outlive the thread; null: none
 /// @param is_watched  SurfaceThreadParams::is_watched
 [[nodiscard]] std::unique_ptr<surface::SurfaceThread> StartSurface(const CellSetup& setup,
                                                                    const ProcedureSession* session,

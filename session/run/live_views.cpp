@@ -35,7 +35,8 @@ std::optional<int> PortOf(std::string_view text) {
   return whole && port >= 0 && port <= kMaxPort ? std::optional(port) : std::nullopt;
 }
 
-// Says why a recovery is refused: the first fault that asks for a new run, with what to do; else the state.
+// Says why a recovery is refused. Names the first fault that can only be cleared by a new run, and what to
+// do; without such a fault, names the cell's state.
 std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& state) {
   for (const console::FaultStatus& fault : status.faults)
     if (!fault.allows_recovery)
@@ -44,7 +45,7 @@ std::string WhyNoRecovery(const console::LiveStatus& status, const std::string& 
   return fmt::format("the cell is {}: a recovery is accepted at rest, before a stop is asked for", state);
 }
 
-// Free bytes on the folder's disk; none if the system does not tell.
+// Free bytes on the folder's disk; nothing if the system does not report them.
 std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::space_info space = std::filesystem::space(folder, error);
@@ -52,7 +53,7 @@ std::optional<std::uintmax_t> SpaceLeft(const std::filesystem::path& folder) {
 }
 
 // Makes the part of an answer about a procedure: the panel's figures, the score, and the tool's number and
-// diameter, so that a reader needs no plan.
+// diameter, so that the reader of the answer does not need the plan.
 nlohmann::json ProcedureStatus(ProcedureSession& session) {
   const SessionFile file = session.File();
   const int tool = file.segments.empty() ? session.first_tool() : file.segments.back().tool_index;
@@ -147,7 +148,7 @@ LiveViews::LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorR
   };
 }
 
-// Ends the servers in this order, because the threads of each use the members that are ended after it.
+// Ends the threads in this order, because the threads of each member use the members that are ended after it.
 LiveViews::~LiveViews() {
   if (surface_thread_) surface_thread_->Stop();
   server_.reset();
@@ -251,7 +252,7 @@ console::RequestAnswer LiveViews::Ask(console::OperatorRequest request) {
     case console::OperatorRequest::kResume:
       if (!status.can_resume)
         return {.done = false, .reason = fmt::format("the cell is {}, not paused", state)};
-      if (session_) {  // a changed tool must be clear of bone: the session says if it is not
+      if (session_) {  // the session refuses if a changed tool is not clear of bone
         const SessionAnswer asked = session_->Ask({.kind = SessionRequest::Kind::kResume});
         return {.done = asked.done, .reason = asked.reason};
       }

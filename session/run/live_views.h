@@ -29,12 +29,12 @@ namespace osteon::session {
 
 class ProcedureSession;
 
-/// Where the console, or the server for Foxglove, is served.
+/// Address and port of the console or of the server for Foxglove.
 struct ConsoleChoice {
   bool on{true};
-  std::string address{"127.0.0.1"};  ///< unless it is a loopback address, pages need a token
+  std::string address{"127.0.0.1"};  ///< if it is no loopback address, pages need a token
   int port{console::kDefaultPort};
-  bool only_this_port{false};  ///< false: the next free port if this one is taken
+  bool only_this_port{false};  ///< false: if the port is taken, the next free port is used
 
   /// Parses `--console` and `--foxglove`: "PORT", "ADDRESS:PORT", "off". The error says what was found and
   /// what is accepted.
@@ -44,9 +44,9 @@ struct ConsoleChoice {
 /// The facts about a run that its live views show.
 struct LiveRun {
   std::string command;            ///< "demo", "run"
-  double seconds{0.0};            ///< requested time of rendering; 0: until stopped
+  double seconds{0.0};            ///< requested duration of rendering; 0: until stopped
   std::string recording;          ///< the recording's file
-  std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's
+  std::filesystem::path pages{};  ///< folder of the stops' pages; empty: the recording's folder
   std::filesystem::path tune{};   ///< result of `osteon tune`; empty: kTuneFile, if that file is of this cell
 };
 
@@ -61,10 +61,11 @@ struct LiveRun {
 ///     recorder ──▶ LiveFaults ──▶ LiveLatency ──▶ LiveFeed ◀── status line, local socket
 ///                                                                   └──▶ OperatorRequests ──▶ the state machine
 ///
-/// A request asks for what the state machine allows; it can raise no limit and skip no condition of motion.
+/// A request cannot raise a limit or skip a condition of motion: the state machine decides whether it is
+/// allowed.
 class LiveViews {
  public:
-  /// @param setup  packed, and outlives this
+  /// @param setup  has a packed bone; must outlive this object
   LiveViews(const CellSetup& setup, const LiveRun& run, base::OperatorRequests& requests);
   ~LiveViews();
 
@@ -73,10 +74,10 @@ class LiveViews {
   void SetSession(ProcedureSession* session);
 
   /// Opens the console, the server for Foxglove, and the local socket. If one of them cannot be opened, the
-  /// run goes on without it.
+  /// run continues without it.
   void Open(const ConsoleChoice& choice, const ConsoleChoice& foxglove);
-  /// Prints on stderr the console's address, and what could not be opened. Called once the run begins, so
-  /// that the message of a run that is refused stays one line.
+  /// Prints on stderr the console's address, and what could not be opened. Call it once the run begins, so
+  /// that a refused run prints only the line with its reason.
   void Announce() const;
   /// Address of the console; empty: it is not served.
   [[nodiscard]] std::string console_url() const { return console_ ? console_->url() : ""; }
@@ -84,15 +85,15 @@ class LiveViews {
   /// The sink that gets all records.
   [[nodiscard]] io::RecordSink* sink() { return &faults_; }
   /// The thread that updates the carved surface for console and Foxglove; null if neither is served. The
-  /// engine's thread writes its ring.
+  /// simulation's thread passes the swept paths to it.
   [[nodiscard]] surface::SurfaceThread* surface_thread() { return surface_thread_.get(); }
   /// The gains that pages may change.
   [[nodiscard]] GainsPanel* gains_panel() { return &gains_; }
   [[nodiscard]] console::LiveStatus Status() const;
-  /// The status as a line for the progress on stderr; empty before the first message.
+  /// The status as a line of text for stderr; empty before the first message of the arm.
   [[nodiscard]] std::string Line() const;
-  /// Answers a request by a line of JSON: {"done", "reason", …}. Any text is accepted as a request and
-  /// answered.
+  /// Answers a request by a line of JSON: {"done", "reason", …}. Any text gets an answer, also one that is no
+  /// request.
   [[nodiscard]] std::string Answer(const std::string& request);
 
  private:
@@ -101,7 +102,8 @@ class LiveViews {
   [[nodiscard]] bool IsWatched() const;  // whether a page or a viewer is connected
   // Passes a request on if the cell's state allows it; the answer says why it is refused.
   [[nodiscard]] console::RequestAnswer Ask(console::OperatorRequest request);
-  // Pauses the cell if its configuration asks for that.
+  // Called when the operator's page has gone. Pauses the cell if its configuration says so
+  // (pause_when_operator_leaves).
   void OnOperatorLeft();
   [[nodiscard]] console::RequestAnswer AskSession(const console::ProcedureRequest& request);
 
@@ -112,15 +114,16 @@ class LiveViews {
   GainsPanel gains_;
   std::string cell_;
   std::string scene_;
-  std::vector<std::string> not_opened_;  // why a server could not be opened, one text each
+  std::vector<std::string> not_opened_;  // for each server that could not be opened: why
   console::LiveContext context_;
   console::LiveFeed feed_;
   LiveLatency latency_;
   LiveFaults faults_;
   console::SurfaceStore surface_;
   console::SurfaceFeed surface_feed_{surface_};
-  std::unique_ptr<surface::SurfaceThread> surface_thread_;  // before the servers, whose threads ask its age
-  // The objects below and the surface's thread as other threads see them: null until they exist.
+  std::unique_ptr<surface::SurfaceThread> surface_thread_;  // outlives the servers, whose threads use it
+  // Pointers to the surface's thread and to the servers below, for other threads; null until the objects
+  // exist.
   std::atomic<const surface::SurfaceThread*> followed_{nullptr};
   std::atomic<const console::ConsoleServer*> pages_{nullptr};
   std::atomic<const console::FoxgloveServer*> viewers_{nullptr};

@@ -64,11 +64,11 @@ std::string WrongPlace(const OperateOptions& options) {
   return options.overwrite ? "" : ValidateRecordingName(options.record);
 }
 
-// Removes the files of an earlier run of the recording's name, if they may be overwritten; else refuses if
-// there are any. @returns what is wrong; empty: nothing
+// Removes the files of an earlier run with the same recording name if options.overwrite is set; otherwise
+// such files are an error. @returns what is wrong; empty: nothing
 std::string MakeRoom(const OperateOptions& options) {
   if (!options.overwrite) return ValidateRecordingName(options.record);
-  // the recording itself is overwritten by the process that has locked it
+  // the recording itself is not removed: the recorder overwrites it once it has locked it
   std::vector<std::filesystem::path> pages = FilesOfRun(options.record);
   std::erase(pages, options.record);
   return RemoveFiles(pages);
@@ -87,7 +87,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
                    .recording = params.recording});
   auto run = ReadRun(params.recording, setup, stops, params.procedure);
   std::string wrong = DescribeRecordingErrors(result, run ? "" : run.error());
-  if (!run) run = RunAccumulator(setup);  // the run's own counts are shown in any case
+  if (!run) run = RunAccumulator(setup);  // an empty one: the counts of `result` can still be shown
   measuring.BeginPhase("measure the cut");
   RunSummary summary = Summarise(setup, engine, params, result, *run);
   if (!options.surface.empty()) {
@@ -97,7 +97,7 @@ int PrintResult(const OperateOptions& options, const CellSetup& setup,
     else
       AddReason(wrong, surface.error());
   }
-  if (auto pages = stops.Finish())  // before the report, which has links to them
+  if (auto pages = stops.Finish())  // written before the report, which links to them
     summary.stops = std::move(*pages);
   else
     AddReason(wrong, pages.error());
@@ -133,7 +133,7 @@ int RunOperate(const OperateOptions& asked) {
   }
   if (options.record.empty()) options.record = DatedRecording("", std::chrono::system_clock::now());
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return Fail("run", wrong);
-  // before any other thread exists
+  // do this before any other thread exists, because threads inherit the CPUs
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("run", "--cpu: " + wrong);
   OutputThread output({.watch_stderr = true});
@@ -187,8 +187,8 @@ int RunOperate(const OperateOptions& asked) {
     if (!made) return Fail("run", made.error());
     session = std::move(*made);
   }
-  // The packing is not made coarser during a run for an engine in another process, which keeps its bone, nor
-  // for a session, whose saved states belong to its packing.
+  // No adaptive resolution in two cases: an engine in another process keeps its own copy of the bone, and a
+  // session's saved states fit only the packing that they were made with.
   const auto adaptive_resolution = remote || session ? nullptr : MakeAdaptiveResolution(*setup, choice);
   fmt::print(stderr, "osteon run: engine: {}\n", EngineText(choice, (*engine)->device()));
   if (remote) fmt::print(stderr, "osteon run: the engine is a process of its own: {}\n", remote->where());

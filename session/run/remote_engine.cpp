@@ -21,11 +21,11 @@
 namespace osteon::session {
 namespace {
 
-// Longest wait for the process's engine: a driver may have to compile all shaders.
+// Longest wait until the other process has made its engine: a driver may have to compile all shaders.
 constexpr rt::Nanoseconds kEngineReady = 120 * rt::kSecond;
 constexpr rt::Nanoseconds kCarvedPatience = 10 * rt::kSecond;  // longest wait for the carved state
-constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;        // between looks at the process's state
-constexpr std::chrono::seconds kEndPatience{5};                // then the process is killed
+constexpr rt::Nanoseconds kPoll = 5 * rt::kMillisecond;        // time between two checks of the process
+constexpr std::chrono::seconds kEndPatience{5};                // longest wait for its end before it is killed
 
 // Encodes what the other process needs to make its engine: bone, tool, pose of the bone, cutting parameters.
 std::vector<std::uint8_t> SetupBytes(const CellSetup& setup) {
@@ -54,7 +54,7 @@ tl::expected<std::unique_ptr<RemoteEngine>, std::string> RemoteEngine::Open(
 
 RemoteEngine::~RemoteEngine() {
   if (!child_) return;
-  child_->Send(SIGCONT);  // a halted process could not end
+  child_->Send(SIGCONT);  // continue a halted process: otherwise it could not end
   child_->Send(SIGTERM);
   child_->End(kEndPatience);
 }
@@ -130,7 +130,7 @@ std::string RemoteEngine::FetchCarved() {
   stream.write(reinterpret_cast<const char*>(bytes->data()), static_cast<std::streamsize>(bytes->size()));
   stream.close();
   if (!stream) return file.string() + ": cannot write";
-  auto carved = simulation::ReadCarvedState(file, setup_.bone);  // verifies it
+  auto carved = simulation::ReadCarvedState(file, setup_.bone);  // this verifies the state
   if (!carved) return carved.error().Text();
   carved_ = std::move(*carved);
   return "";

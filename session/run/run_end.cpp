@@ -9,9 +9,9 @@
 namespace osteon::session {
 namespace {
 
-// Names the permits that were missing in the loop's last tick, as long as it did not move.
+// Names the motion permits that were missing in the loop's last tick, for a run that never moved.
 std::string MissingPermits(safety::MotionPermits permits) {
-  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // no message: the arm's diagnosis says why
+  if (!permits.Has(safety::MotionPermit::kArmFresh)) return "";  // the arm's diagnosis says why
   std::string missing;
   for (int bit = 0; bit < safety::kMotionPermits; ++bit) {
     const auto permit = static_cast<safety::MotionPermit>(1u << bit);
@@ -21,7 +21,7 @@ std::string MissingPermits(safety::MotionPermits permits) {
   return missing.empty() ? "" : "motion lacked " + missing;
 }
 
-// Says why a run ended that had no fault: its duration, a signal, or its operator.
+// Says why a run without a fault ended: its duration, a signal, or its operator.
 std::string DescribeEnd(const CellRunResult& result, double seconds) {
   if (result.end == control::RunEnd::kSeconds) return fmt::format("{:g} s of rendering were over", seconds);
   const std::string signal = base::InterruptName();
@@ -55,7 +55,7 @@ std::string DescribeMissingArm(const std::string& arm, const std::optional<confi
 void AddDiagnosis(CellRunResult& result, const std::string& arm, const std::string& devices,
                   safety::MotionPermits permits) {
   if (result.end != control::RunEnd::kNeverActive) return;
-  // a PLC that gives no permission puts the arm into its safety stop: the devices' reasons come first
+  // the devices' reasons come first, because a PLC that gives no permission causes the arm's safety stop
   for (const std::string& why : {devices, arm, MissingPermits(permits)})
     if (!why.empty()) result.diagnosis += (result.diagnosis.empty() ? "" : "; ") + why;
 }

@@ -28,9 +28,9 @@ namespace osteon::session {
 namespace {
 
 constexpr rt::Nanoseconds kCommandWait = 50 * rt::kMillisecond;  // longest wait before Ctrl-C is checked
-constexpr double kMaxDt_s = 0.1;  // longest step, as in FrameRunner: cutting missed in a stall is not made up
+constexpr double kMaxDt_s = 0.1;  // longest time step of a frame: cutting missed in a stall is not made up
 
-// The figures of the report: the engine last made, and counts since the process began.
+// The contents of the report: the engine that was made last, and counts since the process began.
 struct Served {
   std::string engine, device;
   std::uint64_t frames{0}, runs{0};
@@ -55,7 +55,7 @@ tl::expected<std::vector<std::uint8_t>, std::string> CarvedBytes(const simulatio
 std::string ServeRun(io::EngineServer& server, simulation::CuttingEngine& engine,
                      const simulation::Bone& bone, Served& served) {
   rt::PacedPriority priority;
-  rt::Nanoseconds last_stamp = 0;  // of the newest command answered
+  rt::Nanoseconds last_stamp = 0;  // stamp of the newest command that was answered
   bool carved_sent = false;
   while (!base::Interrupted().load()) {
     io::EngineCommand asked;
@@ -114,7 +114,7 @@ std::string ServeLocal(const SimulateOptions& options, Served& served) {
   return "";
 }
 
-// Serves one run after the other until Ctrl-C. @returns why the server could not start; empty: it did
+// Serves one run after the other until Ctrl-C. @returns why the server could not start; empty: it has run
 std::string ServeUdp(const SimulateOptions& options, Served& served) {
   io::UdpServerParams params{.address = options.address, .port = options.port};
   if (!options.token_file.empty()) {

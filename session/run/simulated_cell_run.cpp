@@ -26,8 +26,8 @@
 namespace osteon::session {
 namespace {
 
-// How often the cell's state is read. Short, since the arm's state must be read soon after its client has
-// gone: see "stop" in ToJson.
+// Time between two reads of the cell's state. It is short, so that the arm's state is read soon after its
+// client has gone: see "stop" in ToJson.
 constexpr std::chrono::milliseconds kStateInterval{2};
 
 nlohmann::ordered_json WireJson(const hil::WireCounters& n) {
@@ -50,7 +50,8 @@ void PrintSimulatedSide(const config::CellConfig& cell) {
   std::fflush(stdout);
 }
 
-// Opens the page that shows the cell; null if it is off or cannot be opened: the cell then runs without it.
+// Opens the page that shows the cell; null if the page is off or cannot be opened: the cell then runs without
+// a page.
 std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const config::CellConfig& cell) {
   if (!options.console.on) return nullptr;
   auto page = CellConsole::Open(options.console, cell, options.cell.stem().string(), options.seconds);
@@ -62,9 +63,9 @@ std::unique_ptr<CellConsole> OpenPage(const SimulatedCellOptions& options, const
   return nullptr;
 }
 
-// Passes each cycle of the arm from its thread's ring to the trace file and to the page, where they exist.
+// Passes each cycle of the arm from its thread's ring to the trace file and to the page, if these exist.
 struct CycleReaders {
-  rt::SpscRing<hil::CellState> cycles{2048};  // two seconds at 1 kHz
+  rt::SpscRing<hil::CellState> cycles{2048};  // space for two seconds at 1 kHz
   std::unique_ptr<CellTraceWriter> trace;
   std::unique_ptr<CellConsole> page;
 
@@ -136,7 +137,7 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   config::CellConfig cell = config::LoadCell(options.cell, options.tool, {}, options.identified);
   if (!options.plan.empty()) {
     const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(options.plan);
-    if (!options.tool)  // a controller begins with the plan's first tool as well
+    if (!options.tool)  // because the controller also begins with the plan's first tool
       cell = config::LoadCell(options.cell,
                               config::ToolChoice{cell.tool_file, plan.plan.tools.front().diameter_m}, {},
                               options.identified);
@@ -160,7 +161,8 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
   try {
     hil::CellHostParams params = HostParams(cell);
     params.arm.thread.cpu = params.device_thread.cpu = options.cpu;
-    // for the whole process: the delay of reading a memory page back from disk would stop the arm
+    // lock the memory of the whole process: reading a memory page back from disk would take so long that the
+    // arm stops
     params.arm.thread.lock_memory = true;
     readers.page = OpenPage(options, cell);
     if (readers.any()) params.arm.cycles = &readers.cycles;

@@ -32,7 +32,7 @@ void SimulationThread::Loop() {
     const simulation::ToolCommand command = commands_.Load();
     const rt::Nanoseconds start = rt::MonotonicNow();
     if (command.stamp == done) {
-      rt::SleepUntil(start + 50'000);  // commands come once a millisecond: polled twenty times in between
+      rt::SleepUntil(start + 50'000);  // poll every 50 us; commands come once a millisecond
       continue;
     }
     done = command.stamp;
@@ -45,7 +45,7 @@ void SimulationThread::Loop() {
     runner_.RecordEvents(recorder_, record.stamp);
     priority.CountWork(rt::MonotonicNow());
     if (record.model.status == simulation::EngineStatus::kDeviceLost)
-      return;  // the servo loop notices by the model's age, and stops
+      return;  // the servo loop stops when the model gets too old
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace osteon::session {
 
-/// Runs the simulation in wall time, in its own thread and at its own rate: takes the newest command, makes a
-/// new contact model. Reader of `commands`, writer of `models`.
+/// Runs the simulation in wall time, in its own thread and at its own rate: takes the newest command from
+/// `commands`, and writes a new contact model to `models`.
 class SimulationThread {
  public:
   SimulationThread(FrameRunner& runner, rt::LatestValue<simulation::ToolCommand>& commands,

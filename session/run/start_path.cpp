@@ -5,8 +5,8 @@
 namespace osteon::session {
 namespace {
 
-// Radii of the balls that stand for an arm's elbow, wrist and flange, and the joints at which elbow and wrist
-// lie. Approximate.
+// Approximate radii of balls that represent an arm's elbow, wrist and flange, and the joints at which elbow
+// and wrist lie.
 struct ArmShape {
   double elbow_m, wrist_m, flange_m;
   int elbow_joint, wrist_joint;

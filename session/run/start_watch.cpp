@@ -5,7 +5,7 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kMoved_rad = 0.02;  // a joint that moved this far makes the path be checked again
+constexpr double kMoved_rad = 0.02;  // after a joint has moved this far, the path is checked again
 
 }  // namespace
 

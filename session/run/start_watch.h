@@ -9,20 +9,20 @@
 
 namespace osteon::session {
 
-/// Checks the path to the start while the arm waits, and again if somebody has moved the arm since. Until the
-/// path is found free, the loop may not start.
+/// Checks the path to the start while the arm waits, and again if somebody has moved the arm since the last
+/// check. The loop may not start until the path is found free.
 class StartWatch {
  public:
-  /// @param setup, loop  outlive this
+  /// @param setup, loop  must outlive this object
   StartWatch(const CellSetup& setup, control::ServoLoop& loop);
 
-  /// The arm's position: written by the servo thread, read by Poll.
+  /// The waiting arm's position. The servo thread writes it, Poll reads it.
   [[nodiscard]] rt::LatestValue<control::StandingArm>& standing() { return standing_; }
 
-  /// Checks the path from where the arm stands now. One thread only; takes up to some seconds.
+  /// Checks the path from the arm's present position. Call it from one thread only. Takes up to some seconds.
   void Poll();
 
-  /// The obstacle, named for the user; empty: none, or nothing is known yet.
+  /// The obstacle in words for the user; empty: there is none, or the path was not checked yet.
   [[nodiscard]] const std::string& why_not() const { return why_not_; }
 
  private:

@@ -5,7 +5,7 @@
 namespace osteon::session {
 namespace {
 
-// The controller's heartbeat count rises by 1 in this time, as in wall time.
+// The controller's heartbeat count rises by 1 in this time, in virtual time as in wall time.
 constexpr rt::Nanoseconds kHeartbeat = 50 * rt::kMillisecond;
 
 }  // namespace
@@ -22,7 +22,7 @@ VirtualDevices::VirtualDevices(const config::CellConfig& cell, std::unique_ptr<i
       devices_(cell.simulated_devices),
       plc_faults_(cell.injections, hil::Wire::kPlc, hil::Direction::kBoth) {
   const io::DeviceParams& wires = cell.devices;
-  std::vector<io::CanBus*> bus_ends;  // on the devices' side
+  std::vector<io::CanBus*> bus_ends;  // the devices' ends of the buses
   pumps_.reserve(wires.buses.size());
   for (std::size_t i = 0; i < wires.buses.size(); ++i) {
     hil::MemoryCanBus &ours = controller_ends_.emplace_back(now_), &theirs = device_ends_.emplace_back(now_);
@@ -51,8 +51,8 @@ control::CellReadings VirtualDevices::Exchange(const control::CellCommands& comm
   return clients_->Readings(plc_, now);
 }
 
-// Runs a cycle of the PLC's program, then makes the block that the client reads next, with the PLC
-// connection's injected faults.
+// Runs a cycle of the PLC's program. Then makes the block of registers that the client reads next, and
+// applies the faults injected into the PLC's connection.
 void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseconds now) {
   plc_due_ = now + plc_cycle_;
   const hil::PlcPanel panel = person_.Step(now, logic_->outputs(), 1);
@@ -63,7 +63,7 @@ void VirtualDevices::StepPlc(const control::CellCommands& commands, rt::Nanoseco
   plc_inputs_.reset = panel.reset;
   plc_inputs_.brake_test_due = panel.brake_test_due;
   plc_inputs_.controller_heartbeat = static_cast<std::uint16_t>(now / kHeartbeat);
-  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // there is no guard in virtual time
+  plc_inputs_.guard_heartbeat = plc_inputs_.controller_heartbeat;  // no guard in virtual time
   plc_inputs_.motion_request = clients_->UpdateMotionRequest(commands, plc_, now);
   const hil::PlcLogicOutputs& outputs = logic_->Step(now, plc_inputs_);
 

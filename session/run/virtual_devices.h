@@ -19,17 +19,19 @@
 
 namespace osteon::session {
 
-/// The cell's devices in virtual time, both sides of each connection: the same clients and simulated devices
-/// as in wall time, with frames passed in memory, and the PLC's program behind its decoded block. A cell's
-/// injections act on them as in wall time. On the PLC's connection, a silence keeps the last block, a loss is
-/// a connection that has ended, and a delay, with all of its jitter, makes the block older.
+/// The cell's devices in virtual time, on both sides of each connection. Clients and simulated devices are
+/// the same as in wall time. CAN frames are passed in memory. The PLC's program runs without Modbus: its
+/// register block is passed already decoded. A cell's injections act as in wall time. On the PLC's
+/// connection, a silence keeps the last block, a loss ends the connection, and a delay makes the block older
+/// by the delay plus the whole jitter.
 class VirtualDevices final : public control::CellDevices {
  public:
   /// The error comes from a client; see DeviceClients.
   [[nodiscard]] static tl::expected<std::unique_ptr<VirtualDevices>, std::string> Make(
       const config::CellConfig& cell);
 
-  /// Tells the devices that COMMANDING_ACTIVE is seen at `now`: injections begin. Later calls have no effect.
+  /// Starts the injections, whose times count from `now`: the first tick of COMMANDING_ACTIVE. Later calls
+  /// have no effect.
   void StartSchedule(rt::Nanoseconds now);
 
   /// Sets the load on the force sensor from now on, in the sensor's frame S.
@@ -49,7 +51,7 @@ class VirtualDevices final : public control::CellDevices {
     return devices_.drive() ? devices_.drive()->tool_speed_rad_per_s() : 0.0;
   }
 
-  /// Says what keeps the cell from moving.
+  /// Says which devices prevent a motion of the cell.
   [[nodiscard]] std::string Diagnosis() const { return clients_->Diagnosis(plc_, now_); }
 
  private:
@@ -61,14 +63,14 @@ class VirtualDevices final : public control::CellDevices {
   hil::SimulatedDevices devices_;
   rt::Nanoseconds now_{0};
   std::deque<hil::MemoryCanBus> controller_ends_, device_ends_;
-  std::vector<io::CanPump> pumps_;  // of the controller's ends of the buses
+  std::vector<io::CanPump> pumps_;  // pumps of the controller's ends of the buses
   std::optional<hil::DeviceWires> wires_;
   hil::FaultSchedule plc_faults_;
   std::optional<hil::PlcLogic> logic_;
   rt::Nanoseconds plc_cycle_{0}, plc_due_{0};
   hil::PanelOperator person_;  // operates the PLC's panel
   hil::PlcLogicInputs plc_inputs_;
-  io::PlcReading plc_;  // the newest block that the PLC's client has
+  io::PlcReading plc_;  // the newest block of the PLC that the client has read
 };
 
 }  // namespace osteon::session

@@ -10,7 +10,8 @@
 namespace osteon::session {
 namespace {
 
-// Loads a bone that `osteon pack` has saved. The error says that it has no site to cut, or no mass points.
+// Loads a bone that `osteon pack` has saved. It is an error if the bone has no site to cut, or no mass
+// points.
 tl::expected<simulation::Bone, std::string> LoadPacking(const MeshChoice& choice) {
   const auto file = simulation::PackingFile::Open(choice.file);
   if (!file) return tl::make_unexpected(file.error().Text());
@@ -31,7 +32,7 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
                                              const std::optional<MeshChoice>& mesh_instead) {
   const simulation::SceneParams& scene = setup.config.scene;
   std::optional<MeshChoice> mesh = mesh_instead;
-  std::string place;  // where the cell's file names the bone, for messages; empty: it does not
+  std::string place;  // place in the cell's file that names the bone, for messages; empty: it names none
   if (!mesh && setup.config.bone) {
     place = setup.config.bone->place + ": ";
     mesh = {
@@ -56,8 +57,8 @@ tl::expected<void, std::string> MakeCellBone(CellSetup& setup,
     setup.bone_warning = made.warning;
     setup.solid = made.solid;
   }
-  // place the bone so that its site is where the cell wants it: the configuration's X_WG is the pose of the
-  // site's frame
+  // place the bone so that its site is at the configured place: the configuration's X_WG is the pose of the
+  // site's frame C
   setup.X_WG = setup.config.X_WG * simulation::CupPose(setup.bone.site).inverse();
   return {};
 }

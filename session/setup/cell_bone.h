@@ -11,7 +11,8 @@ namespace osteon::session {
 
 /// Loads the solid of a cell's bone, or its packing, and places it so that its site lies where the cell's
 /// configuration wants it. The bone has no balls yet, unless they were loaded.
-/// @param setup  has its configuration; gets `bone`, `solid`, `bone_warning` and `X_WG`
+/// @param[in,out] setup  in: has its configuration; out: has `bone`, `solid`, `bone_warning` and `X_WG` as
+/// well
 /// @param mesh_instead  replaces the cell's own `bone` or scene
 /// The error names the file, and the place in the cell's file that names it.
 [[nodiscard]] tl::expected<void, std::string> MakeCellBone(CellSetup& setup,

@@ -29,12 +29,13 @@ std::string ConfigText(const io::ConfigSource& source) {
 
 tl::expected<simulation::CutSite, std::string> ParseCup(const std::string& text) {
   static constexpr std::array<const char*, 7> kNames{"X", "Y", "Z", "NX", "NY", "NZ", "R"};
-  // accepted: a centre within kFar_mm of the origin in each coordinate, and a radius in this range
+  // accepted are: coordinates of the centre from -kFar_mm to kFar_mm, a radius from kMinRadius_mm to
+  // kMaxRadius_mm
   static constexpr double kFar_mm = 2000.0, kMinRadius_mm = 0.5, kMaxRadius_mm = 60.0;
   std::array<double, 7> values{};
   std::istringstream parts(text);
   std::string part;
-  std::size_t count = 0;  // number of parts, also of those too many
+  std::size_t count = 0;  // number of parts in the text, including surplus ones
   while (std::getline(parts, part, ',')) {
     if (count < values.size()) {
       const char* end = part.data() + part.size();

@@ -17,10 +17,10 @@
 
 namespace osteon::session {
 
-/// A mesh or a packing file that replaces the generated scene.
+/// A mesh or a packing file that replaces the cell's bone.
 struct MeshChoice {
   std::filesystem::path file;
-  /// The site to cut, in the file's frame, after scaling; a packing may have its own.
+  /// The site to cut, in the file's frame, after scaling; absent: a packing file may name its own site.
   std::optional<simulation::CutSite> cup{};
   double scale{1.0};  ///< millimetres per unit of the file
 };
@@ -31,22 +31,22 @@ struct MeshChoice {
 
 struct PlannedCell;
 
-/// A cell that is ready to run, except for its engine.
+/// A cell with everything for a run but its engine.
 struct CellSetup {
   config::CellConfig config;  ///< tool and cutting as planned, if the bone was planned
   simulation::Bone bone;
-  std::shared_ptr<const simulation::Solid> solid;  ///< what the bone was packed from; null: not known
+  std::shared_ptr<const simulation::Solid> solid;  ///< solid from which the bone was packed; null: not known
   Pose X_WG{Pose::Identity()};                     ///< pose of the bone's frame G in the world
   std::string config_text;                         ///< the YAML files as read, one after the other
   io::ConfigSource config_source;                  ///< every file that was read, for the recording
   std::string cell_name;                           ///< name of the cell's YAML file
-  std::shared_ptr<const PlannedCell> planned;      ///< null: packed as the scene says, or loaded
+  std::shared_ptr<const PlannedCell> planned;      ///< null: the bone was packed as the scene says, or loaded
   std::string bone_warning;  ///< about the bone's mesh (SceneSolid::warning); empty: none
 };
 
 /// Loads the cell's YAML and the solid of its bone. The bone has no balls yet (PackAsScene, or PackCell of
 /// planned_cell.h), unless they were loaded. A mesh is placed so that its site (a cup, or the circle where a
-/// drill enters) lies where the scene's would.
+/// drill enters) lies where the site of the cell's scene would lie.
 /// @param mesh_instead  replaces the cell's own `bone` or scene
 /// @param tool  replaces the cell's tool  @param gains  a file that overrides the cell's gains; empty: none
 /// @param identified  a file of `osteon identify` that replaces the cell's own; empty: the cell's own, if any
@@ -59,12 +59,13 @@ struct CellSetup {
 
 /// Makes the cell of a recording from the recording only, except for a mesh that its configuration names. If
 /// that mesh is missing, or the run had another bone than the configuration's (`demo --mesh`), solid is null
-/// and bone_warning says why; the site is then the scene's. The error names the part of the configuration
-/// that is missing or wrong.
+/// and bone_warning says why; the site is then the scene's. An error names the part of the configuration that
+/// is missing or wrong.
 [[nodiscard]] tl::expected<CellSetup, std::string> SetUpRecorded(const io::SessionInfo& session,
                                                                  const std::optional<MeshChoice>& mesh = {});
 
-/// Packs a prepared cell's bone by the scene's own `packing`. A loaded bone stays.
+/// Packs a prepared cell's bone by the scene's own `packing`. A bone that was loaded from a packing file
+/// stays as it is.
 void PackAsScene(CellSetup& setup);
 
 /// Makes the engine for the cell's bone and tool.

@@ -23,7 +23,7 @@
 namespace osteon::session {
 namespace {
 
-// Examines each Vulkan device, the needs that it does not meet, and the engine that `auto` takes.
+// Reports for each Vulkan device which requirements it does not meet, and which engine `auto` takes.
 void ExamineVulkan(std::vector<Check>& checks) {
   const auto devices = gpu::ListDevices();
   if (!devices) checks.push_back({"Vulkan", "no device", kCheckUsable, devices.error()});
@@ -74,7 +74,8 @@ void ExamineNetwork(std::vector<Check>& checks, std::uint16_t fri_port) {
 }  // namespace
 
 std::vector<Check> Examine(const DoctorOptions& options, const std::function<void(double at_s)>& progress) {
-  // load the cell before the timer tests, which take seconds: a file that cannot be read ends the command
+  // load the cell first: if its file cannot be read, the command ends before the timer tests, which take
+  // seconds
   const auto cell = options.cell.empty() ? std::nullopt : std::optional(config::LoadCell(options.cell));
   std::vector<Check> checks;
   utsname system{};

@@ -8,7 +8,7 @@
 
 namespace osteon::session {
 
-// The verdicts of a check: fit for an arm; fit with a restriction, such as simulation only; not there.
+// The verdicts of a check: good for an arm; usable with a restriction, such as simulation only; missing.
 inline constexpr const char* kCheckGood = "good";
 inline constexpr const char* kCheckUsable = "usable";
 inline constexpr const char* kCheckMissing = "missing";
@@ -25,7 +25,7 @@ struct DoctorOptions {
   std::uint16_t fri_port{30200};  ///< port that a demo would listen on
   double seconds{10.0};           ///< duration of each of the two timer tests, with SCHED_FIFO and without
   std::filesystem::path json{};   ///< file for the checks as JSON; empty: none
-  std::filesystem::path cell{};   ///< YAML file of a cell whose links are examined as well; empty: none
+  std::filesystem::path cell{};   ///< YAML file of a cell whose connections are examined as well; empty: none
 };
 
 /// Examines this machine: Vulkan devices, timer latency, scheduling and memory rights, kernel, network, CAN;

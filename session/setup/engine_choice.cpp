@@ -33,10 +33,10 @@ EngineChoice ChooseEngine(const std::string& engine, const std::string& device,
   if (engine != "auto") return {.engine = engine, .device = device};
   if (!device.empty()) return {.engine = "vulkan", .device = device, .reason = "--device names a device"};
   if (!devices) return {.engine = "cpu", .reason = "Vulkan has no device here"};
-  std::string refused;  // the devices that do not serve, and why
+  std::string refused;  // the unsuitable devices, and why
   for (const gpu::DeviceInfo& found : *devices) {
     const bool is_gpu = IsGpu(found);
-    // the engine opens the first device that is not refused
+    // of all devices that are not refused, the engine opens the first
     if (is_gpu && found.refusal.empty()) return {.engine = "vulkan", .reason = "the device is a GPU"};
     refused += fmt::format("{}{} {}", refused.empty() ? "" : "; ", found.name,
                            is_gpu ? "can't run the passes: " + found.refusal : "computes on the processor");

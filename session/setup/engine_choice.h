@@ -31,20 +31,20 @@ struct EngineChoice {
 /// Turns the values of `--engine` and `--device` into an engine. "auto" takes Vulkan if a device is named or
 /// a GPU can run the cutting passes, else the CPU engine.
 [[nodiscard]] EngineChoice ChooseEngine(const std::string& engine, const std::string& device);
-/// Chooses for a machine with these Vulkan devices, the default one first; an error: the machine has no
-/// Vulkan.
+/// Makes the same choice for a machine with these Vulkan devices, of which the first is the default. An error
+/// instead of devices means that the machine has no Vulkan.
 [[nodiscard]] EngineChoice ChooseEngine(
     const std::string& engine, const std::string& device,
     const tl::expected<std::vector<gpu::DeviceInfo>, std::string>& devices);
 
-/// Whether the device is a GPU, and not a driver that computes on the CPU.
+/// Whether the device is a GPU rather than a driver that computes on the CPU.
 [[nodiscard]] bool IsGpu(const gpu::DeviceInfo& device);
 
 /// Describes the choice in one line: "cpu on one thread, AVX-512 (--engine auto: no GPU …)".
 /// @param device  the device of the engine that was made (CuttingEngine::device)
 [[nodiscard]] std::string EngineText(const EngineChoice& choice, const std::string& device);
 
-/// Options with which a study runs an engine. An engine that does not have such an option ignores it.
+/// Options of an engine for studies. An engine that does not support an option ignores it.
 struct EngineStudy {
   bool time_passes{false};  ///< measure how long each pass or stage of a frame takes
   bool brute_force{false};  ///< Vulkan: test all pairs of balls, without culling

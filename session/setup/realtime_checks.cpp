@@ -27,7 +27,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::array<double, 3> kPeriods_s{1e-3, 2e-3, 5e-3};  // FRI periods that a cell may have
-constexpr std::chrono::milliseconds kProgressInterval{50};     // between calls of `progress`
+constexpr std::chrono::milliseconds kProgressInterval{50};     // time between two calls of `progress`
 
 // First line of a file; empty if it cannot be read.
 std::string FirstLine(const std::filesystem::path& file) {
@@ -60,8 +60,9 @@ std::string RightsAdvice(const std::string& right) {
                    : fmt::format("{}: sudo usermod -aG {} $USER, and log in anew", right, kGroup);
 }
 
-// Judges how late a thread woke: good for the shortest FRI period, usable for the longest.
-// @param counts  whether the servo loop would run in such a thread; if not, it is never `missing`
+// Judges how late a thread woke. The verdict is good if this serves the shortest FRI period, usable if it
+// serves the longest.
+// @param counts  whether the servo loop would run in such a thread; if not, the verdict is never `missing`
 Check TimerCheck(const char* name, const DurationFigures& late, bool counts) {
   const bool good = Serves(late, kPeriods_s.front()), usable = Serves(late, kPeriods_s.back());
   return {name,
@@ -85,7 +86,7 @@ Check PeriodCheck(const DurationFigures& late, bool realtime) {
     served +=
         fmt::format("{}{:.0f} ms: {}", served.empty() ? "" : ", ", period_s * 1e3, serves ? "yes" : "no");
   }
-  const bool serves_all = realtime && Serves(late, kPeriods_s.front());  // the shortest is the hardest
+  const bool serves_all = realtime && Serves(late, kPeriods_s.front());  // the shortest demands most
   return {"Servo periods", served,
           serves_all   ? kCheckGood
           : serves_any ? kCheckUsable
@@ -186,7 +187,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
                              const std::function<void(double at_s)>& progress) {
   const auto wakeups = static_cast<std::size_t>(std::max(1.0, std::round(seconds * 1e3)));
   std::vector<rt::Nanoseconds> late;
-  late.reserve(wakeups);  // the thread fills a list, since DurationCounts would allocate in it
+  late.reserve(wakeups);  // the thread fills this list; a DurationCounts would allocate memory in the thread
   std::atomic<bool> done{false};
   std::thread sleeper([&] {
     realtime = rt::SetUpRealtimeThread({.priority = realtime ? 80 : 0, .keep_cpus_awake = true}).realtime;
@@ -196,7 +197,7 @@ DurationFigures TimerLatency(double seconds, bool& realtime,
       rt::SleepUntil(due);
       const rt::Nanoseconds woken = rt::MonotonicNow();
       late.push_back(woken - due);
-      due = std::max(due, woken - rt::kMillisecond);  // a stall counts as one late wake-up, not as a burst
+      due = std::max(due, woken - rt::kMillisecond);  // a stall is one late wake-up, not many
     }
     done.store(true);
   });

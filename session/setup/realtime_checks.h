@@ -8,7 +8,8 @@
 
 namespace osteon::session {
 
-/// Whether a machine whose threads wake this late can serve a servo loop of this period:
+/// Whether a machine whose threads wake this late can serve a servo loop of this period. `late` is the delay
+/// of wake-ups:
 ///
 ///     p99.9 < period / 10   and   max < period / 2
 ///
@@ -16,9 +17,9 @@ namespace osteon::session {
 /// late by half a period leaves no time for both a slow tick and the network.
 [[nodiscard]] bool Serves(const DurationFigures& late, double period_s);
 
-/// Measures how late a thread wakes that sleeps to absolute times, a millisecond apart, for `seconds`. Runs
-/// in a thread of its own.
-/// @param[in,out] realtime  in: ask for SCHED_FIFO, as the servo thread does; out: granted
+/// Measures for `seconds` how late a thread wakes. The thread sleeps to absolute times a millisecond apart;
+/// it is a thread of its own.
+/// @param[in,out] realtime  in: request SCHED_FIFO as for the servo thread; out: whether it was granted
 /// @param progress  called now and then with the time spent; may be empty
 [[nodiscard]] DurationFigures TimerLatency(double seconds, bool& realtime,
                                            const std::function<void(double at_s)>& progress = {});

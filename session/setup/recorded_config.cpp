@@ -31,7 +31,8 @@ fs::path CommonFolder(const std::vector<config::ConfigFileTracker::File>& files)
   return common;
 }
 
-// Whether a file of this name lies inside the folder that the name is appended to: no absolute path, no "..".
+// Whether a name that is appended to a folder's path stays inside this folder: it is no absolute path and has
+// no "..".
 bool StaysInside(const std::string& name) {
   const fs::path path(name);
   return !name.empty() && name.find('\0') == std::string::npos && path.is_relative() &&
@@ -57,7 +58,7 @@ std::string WriteFiles(const io::ConfigSource& source, const fs::path& folder) {
   return {};
 }
 
-// Removes the temporary folder's path from a text, so that files have their own names in it.
+// Removes the temporary folder's path from a text, so that the text shows the files by their own names.
 std::string WithoutFolder(std::string text, const fs::path& folder) {
   const std::string prefix = folder.string() + '/';
   for (std::size_t at = 0; (at = text.find(prefix, at)) != std::string::npos;) text.erase(at, prefix.size());

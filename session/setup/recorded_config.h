@@ -16,8 +16,8 @@
 namespace osteon::session {
 
 /// Reads the files that a cell was just loaded from, in their present state, for its recording.
-/// @param scope  knows the files; must have existed while the cell was loaded
-/// The error names a file that can no longer be read.
+/// @param scope  knows which files were read; must have existed while the cell was loaded The error names a
+/// file that can no longer be read.
 [[nodiscard]] tl::expected<io::ConfigSource, std::string> KeepConfig(
     const config::ConfigFileTracker& scope, const std::filesystem::path& cell_yaml,
     const std::optional<config::ToolChoice>& tool, const std::filesystem::path& gains,
@@ -30,14 +30,14 @@ namespace osteon::session {
 
 /// A recording's cell with the tools of its procedure.
 struct RecordedCell {
-  config::CellConfig config;  ///< prepared for all tools
-  ToolList list;              ///< empty: one tool
+  config::CellConfig config;  ///< the cell's configuration, prepared for all tools
+  ToolList list;              ///< the tools; empty: the cell's own tool only
   std::vector<ProcedureTool> tools;
 };
-/// Loads the cell as LoadRecordedCell does, and a procedure's table of tools.
+/// Loads the cell from the recording only (LoadRecordedCell), and a procedure's table of tools.
 [[nodiscard]] tl::expected<RecordedCell, std::string> LoadRecordedTools(const io::ConfigSource& source);
 
-/// Makes a cell's servo loop, as a run and its replay need it.
+/// Makes a cell's servo loop, in the same way for a run and for its replay.
 [[nodiscard]] control::ServoLoop MakeServoLoop(const config::CellConfig& cell);
 
 }  // namespace osteon::session

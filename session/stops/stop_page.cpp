@@ -9,7 +9,7 @@
 namespace osteon::session {
 namespace {
 
-// The faults as an HTML table, or no_fault_text if there are none.
+// Makes an HTML table of the faults, or no_fault_text if there are none.
 std::string FaultTable(const StopPageInput& input) {
   if (input.faults.empty()) return "<p>" + report::Escape(input.no_fault_text) + "</p>\n";
   std::string out =
@@ -21,7 +21,7 @@ std::string FaultTable(const StopPageInput& input) {
   return out + "</table>\n";
 }
 
-// One chart for each fault that has one: the quantity that caused the fault, and its limit.
+// Makes a chart for each fault that has one. It shows the quantity that caused the fault, and its limit.
 std::string TripFigures(const StopPageInput& input) {
   std::string out;
   for (const StopFaultRow& row : input.faults) {

@@ -24,14 +24,14 @@ using control::TickRecord;
 constexpr rt::Nanoseconds kBefore = 5 * rt::kSecond, kAfter = rt::kSecond / 2;
 
 bool IsStoppingOrStopped(Phase phase) { return phase == Phase::kStopping || phase == Phase::kStopped; }
-// Whether the arm is at rest: neither braking, nor without control after a stop of category 0, which ends
-// when the arm stands still.
+// Whether the arm is at rest: it is neither braking, nor without control after a stop 0, in which it may
+// still move.
 bool IsAtRest(const TickRecord& tick) {
   return tick.phase != Phase::kStopping &&
          tick.cell_state != static_cast<std::uint8_t>(safety::CellState::kStop0);
 }
 
-// A row for each fault of the stop, with the value that was seen in the first tick that has the fault.
+// A row for each fault of the stop, with the value that was measured in the first tick that has the fault.
 std::vector<StopFaultRow> FaultRows(const StopRecord& stop, const control::ServoParams& servo) {
   std::vector<StopFaultRow> rows;
   ForEachFault(stop.faults, [&](safety::Fault fault, const safety::FaultText& text) {
@@ -46,7 +46,7 @@ std::vector<StopFaultRow> FaultRows(const StopRecord& stop, const control::Servo
   return rows;
 }
 
-// Says how long the rest was recorded, or why it was less than half a second.
+// Says for how long the arm's rest was recorded, or why that was less than half a second.
 std::string RestText(const StopRecord& stop) {
   const TickRecord& last = stop.ticks.back();
   if (stop.rest >= stop.ticks.size()) {
@@ -65,7 +65,7 @@ std::string RestText(const StopRecord& stop) {
   return text + ".";
 }
 
-// Makes the input of a stop's page. @param end_reason  why the run ended, for an orderly end
+// Makes the input of a stop's page. @param end_reason  why the run ended; used for a stop without a fault
 StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::string& end_reason,
                      double force_limit_N, const TripLimits& limits) {
   const TickRecord& at = stop.ticks[stop.stop];
@@ -90,7 +90,7 @@ StopPageInput PageOf(const StopRecord& stop, std::size_t number, const std::stri
 
 // Makes the command that shows the recording at a stop. @param stop_s  time from the recording's start
 std::string ViewCommandOf(const std::filesystem::path& recording, double stop_s) {
-  constexpr double kBefore_s = 1.0;  // the view begins this long before the stop, to show what led to it
+  constexpr double kBefore_s = 1.0;  // the view begins this long before the stop, to show its cause
   return fmt::format("osteon view {} --at {:.1f}", recording.string(), std::max(0.0, stop_s - kBefore_s));
 }
 
@@ -113,7 +113,8 @@ const char* StopRecord::Heading() const {
 
 bool MovesArm(Phase phase) { return phase == Phase::kAligning || phase == Phase::kHaptic; }
 
-// A slow tool comes to rest within a tick: a pause then has no stopping tick, only paused ones.
+// A slow tool comes to rest within a tick. A pause then has no tick in the phase of stopping, only ticks in
+// the paused state.
 bool BeginsStop(const TickRecord& before, const TickRecord& tick) {
   return MovesArm(before.phase) && (IsStoppingOrStopped(tick.phase) || control::IsPaused(tick));
 }

@@ -17,19 +17,19 @@
 
 namespace osteon::session {
 
-/// The ticks of a stop within a recording: the last five seconds before the stop, the stop, and half a second
-/// of the arm at rest.
+/// The ticks of a stop within a recording: the last five seconds before the stop, the stop itself, and half a
+/// second with the arm at rest.
 struct StopRecord {
   std::vector<control::TickRecord> ticks;
-  std::size_t stop{0};             ///< index of the first tick in which the loop no longer moved as asked
-  std::size_t rest{0};             ///< index of the first tick at rest; beyond the last if there is none
+  std::size_t stop{0};             ///< index of the first tick in which the loop brakes or is at rest
+  std::size_t rest{0};             ///< index of the first tick at rest; ticks.size() if there is none
   rt::Nanoseconds first_stamp{0};  ///< stamp of the recording's first tick
   bool cut_off{false};             ///< the recording ends before the stop is complete
   safety::FaultSet faults;
-  bool asked{false};   ///< the stop was asked for, by the run's end or Ctrl-C
+  bool asked{false};   ///< the stop was requested, by the run's end or Ctrl-C
   bool paused{false};  ///< the operator has paused the cell
 
-  /// Whether the run ended as asked, without a fault.
+  /// Whether the stop is the requested end of the run, without a fault.
   [[nodiscard]] bool IsOrderly() const { return asked && !faults.Any(); }
   [[nodiscard]] bool IsPause() const { return paused && !asked && !faults.Any(); }
   /// Names the reason of the stop: its faults ("arm message stale; motion not permitted"), "asked for", "a
@@ -42,19 +42,20 @@ struct StopRecord {
 /// Whether the loop moves the arm in a phase.
 [[nodiscard]] bool MovesArm(control::Phase phase);
 
-/// Whether a stop begins with `tick`: the loop moved the arm in the tick before it, and now stops or pauses.
+/// Whether a stop begins with `tick`: the loop moved the arm in the tick before, and stops or pauses in this
+/// one.
 [[nodiscard]] bool BeginsStop(const control::TickRecord& before, const control::TickRecord& tick);
 
-/// Finds every stop of a recording, tick by tick: a change of the loop from moving (aligning, haptic) to
-/// stopping, stopped or paused. Holds the ticks of the last five seconds, and those of a stop in progress: at
-/// most kMaxTicks of each.
+/// Finds every stop of a recording, tick by tick. A stop is a change of the loop from moving (aligning,
+/// haptic) to stopping, stopped or paused. Keeps in memory the ticks of the last five seconds, and those of a
+/// stop in progress: at most kMaxTicks of each.
 class StopFinder {
  public:
   static constexpr std::size_t kMaxTicks = 20'000;  ///< 20 s at 1 kHz
 
   /// Takes the next tick. @returns the stop that was complete before this tick; nothing: none was
   [[nodiscard]] std::optional<StopRecord> Add(const control::TickRecord& tick);
-  /// Ends the recording. @returns a stop that is not complete; nothing: there is none. Call it once.
+  /// Ends the recording. @returns the stop that is still in progress; nothing: there is none. Call it once.
   [[nodiscard]] std::optional<StopRecord> Finish();
 
  private:
@@ -64,29 +65,29 @@ class StopFinder {
   std::deque<control::TickRecord> last_;  // ticks of the last five seconds
   std::optional<rt::Nanoseconds> first_stamp_;
   std::optional<StopRecord> stop_;        // the stop in progress
-  std::optional<rt::Nanoseconds> until_;  // set at rest: ticks are collected until then
+  std::optional<rt::Nanoseconds> until_;  // set once the arm is at rest: ticks are collected up to this stamp
 };
 
-/// The recording's event of an orderly end begins with this; the reason follows.
+/// The event that records an orderly end begins with this text; the reason follows.
 inline constexpr const char* kEndEvent = "end: ";
 
 /// The files of a stop: its page, with the page's heading, and the table of its ticks.
 struct WrittenStop {
   std::filesystem::path page;
   std::string heading;          ///< StopRecord::Heading
-  std::filesystem::path ticks;  ///< CSV
+  std::filesystem::path ticks;  ///< CSV file with the ticks
 };
 
-/// The place for a stop's page and table, and the facts about the run that the page shows.
+/// Where to write a stop's page and table, and the facts about the run that the page shows.
 struct StopFiles {
   std::filesystem::path folder;
   std::string stem;
-  const config::CellConfig& cell;     ///< of the run: its limits are drawn
-  std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
+  const config::CellConfig& cell;     ///< the run's cell, for the limits in the charts
+  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
   rt::Nanoseconds session_stamp{0};   ///< time of the recording's beginning; 0: virtual time
   double force_limit_N{0.0};
   std::string end_reason{};   ///< why the run ended, if it ended without a fault
-  std::string console_url{};  ///< address of the page of the cell, which still runs; empty: it does not run
+  std::string console_url{};  ///< address of the cell's page; empty: the cell no longer runs
 };
 
 /// Writes the page of a stop and the table of its ticks. The error names the file.
@@ -96,8 +97,8 @@ struct StopFiles {
 struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;
-  const config::CellConfig& cell;     ///< of the run: its limits are drawn; must outlive the pages' writer
-  std::filesystem::path recording{};  ///< for the command that shows it; empty: not named
+  const config::CellConfig& cell;     ///< the run's cell, for limits in the charts; must outlive StopPages
+  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
 };
 
 /// Writes each stop of a recording once it is complete: a page with its plots and faults,
@@ -109,14 +110,14 @@ class StopPages {
 
   /// Adds the next tick of this session's recording. After a failed write it writes nothing more.
   void Add(const io::SessionInfo& session, const control::TickRecord& tick);
-  /// Adds the next event; one of them says why the run ended.
+  /// Adds the next event. The event of the run's end has the reason for an orderly stop.
   void Add(const io::RecordedEvent& event);
 
   /// Completes the last stop. Call it once. @returns the pages; an error names the file.
   [[nodiscard]] tl::expected<std::vector<WrittenStop>, std::string> Finish();
 
  private:
-  // Writes a complete stop; an orderly one is kept until the event with its reason has come.
+  // Writes a complete stop; an orderly one is kept until the event with its reason arrives.
   void AddStop(std::optional<StopRecord> stop);
   void Write(const StopRecord& stop);
 

@@ -28,7 +28,7 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();  // leaves
 constexpr std::array<const char*, 7> kJointColors{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                   "#e69f00", "#56b4e9", "#555555"};
 
-// Charts one above the other that share the time axis and the ticks.
+// Several charts, one above the other, with the same time axis and ticks.
 class Panels {
  public:
   Panels(std::span<const TickRecord> ticks, const report::TimeAxis& time)
@@ -69,7 +69,7 @@ class Panels {
 
   [[nodiscard]] std::size_t size() const { return ticks_.size(); }
   [[nodiscard]] const TickRecord& operator[](std::size_t i) const { return ticks_[i]; }
-  /// The previous tick; the first tick is its own.
+  /// The tick before tick i; for the first tick, that tick itself.
   [[nodiscard]] const TickRecord& Before(std::size_t i) const { return ticks_[i == 0 ? 0 : i - 1]; }
 
  private:
@@ -87,7 +87,7 @@ report::LimitLine Limit(double value, const char* unit) {
 // Converts an age to ms; NaN if there is no value yet.
 double Age_ms(double age_s) { return age_s < safety::kNoAge_s ? 1e3 * age_s : kNoValue; }
 
-// For a fault of a message that came too late: the message's age against its limit.
+// For a fault by an input that is too old: plots the age of the input, and its limit.
 void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
   const safety::WatchdogParams& watchdog = limits.servo.watchdog;
   const auto age = [&](const char* title, double limit_s, const auto& age_s) {
@@ -111,7 +111,7 @@ void AddAges(Fault fault, const TripLimits& limits, Panels& panels) {
         [](const TickRecord& tick) { return safety::StampAge(tick.input.now, tick.input.spindle_stamp); });
 }
 
-// The signals of the PLC without which the arm may not move.
+// Plots the signals of the PLC that must be present for a motion.
 void AddPermission(Panels& panels) {
   panels.BeginPanel("What the PLC says: 1 given, 0 not", "", {{1.0, "needed"}});
   panels.AddCurve("motion permitted", kJointColors[0],
@@ -136,7 +136,8 @@ void AddSpindleLimits(const safety::SpindleLimitParams& params, Panels& panels) 
       [&](std::size_t i) { return std::abs(panels[i].input.spindle_meas_rad_per_s) / kRpm; });
 }
 
-// Plots, for the admittance law, the commanded tool's speed from tick to tick, which is the checked quantity.
+// Plots the apex's speed that the loop checks: under the admittance law, the commanded apex's step from tick
+// to tick over the period; under the impedance law, the measured speed.
 void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   const bool measured = servo.law == control::Law::kImpedance;
   panels.BeginPanel(measured ? "Speed of the tool's apex, measured" : "Speed of the commanded apex",
@@ -152,7 +153,8 @@ void AddToolSpeed(const control::ServoParams& servo, Panels& panels) {
   });
 }
 
-// The measured tool's speed against the speed that it may keep (TripLimits::arm_speed_ratio).
+// Plots the measured apex's speed, and the speed that the arm may keep indefinitely
+// (TripLimits::arm_speed_ratio).
 void AddArmSpeed(const TripLimits& limits, Panels& panels) {
   const double max_mm_per_s =
       1e3 * limits.arm_speed_ratio * control::ToolSpeedLimit_m_per_s(limits.servo, false);
@@ -162,7 +164,7 @@ void AddArmSpeed(const TripLimits& limits, Panels& panels) {
       [&](std::size_t i) { return 1e3 * panels[i].tool_speed_meas_m_per_s; });
 }
 
-// Adds a panel with a curve per joint, in percent of the accepted value.
+// Adds a panel with a curve per joint, in percent of the joint's limit.
 // @param both_ways  the value may be negative, and has a limit at -100 % as well
 // @param percent  (std::size_t tick, std::size_t joint) -> double
 template <class Percent>
@@ -172,14 +174,15 @@ void AddJoints(std::string title, bool both_ways, const control::ServoParams& se
   if (both_ways) limits.push_back({-100.0, "limit -100 %"});
   panels.BeginPanel(std::move(title), "share [%]", std::move(limits));
   for (std::size_t joint = 0; joint < kJointColors.size(); ++joint) {
-    // a joint without a range does not exist: the seventh of a six-axis arm
+    // a joint without a range does not exist, such as the seventh joint of a six-axis arm
     if (!(servo.joints.limits[joint].upper_rad > servo.joints.limits[joint].lower_rad)) continue;
     panels.AddCurve(fmt::format("A{}", joint + 1), kJointColors[joint],
                     [&](std::size_t i) { return percent(i, joint); });
   }
 }
 
-// Commanded positions and speeds of the joints, and their torques if the arm's masses are known.
+// Plots the commanded positions and speeds of the joints, and their external torques if the arm's masses are
+// known.
 void AddJointLimits(const TripLimits& limits, Panels& panels) {
   const safety::JointGuardParams& joints = limits.servo.joints;
   AddJoints(
@@ -209,13 +212,13 @@ void AddJointLimits(const TripLimits& limits, Panels& panels) {
                      before_Nm = panels.Before(i).input.tau_ext[joint];
         const double room_Nm =
             limits.servo.arm_body->joints[joint].limits.torque_Nm - std::abs(gravity_Nm[i][joint]);
-        // a message later, the torque may have grown again by its change since the last message
+        // extrapolate by one message: the torque may grow again by its change since the last message
         return room_Nm > 0.0 ? 100.0 * (std::abs(tau_Nm) + std::abs(tau_Nm - before_Nm)) / room_Nm : kNoValue;
       },
       panels);
 }
 
-// The distances of apex, flange and elbow to the nearest bound that holds for them.
+// Plots, for apex, flange and elbow, the distance to the nearest bound of this point.
 void AddZones(const TripLimits& limits, Panels& panels) {
   const safety::Workspace workspace(control::WorkspaceOf(limits.servo));
   panels.BeginPanel("Distance to the nearest bound of workspace, zones and depth limit; negative: outside",
@@ -232,7 +235,7 @@ void AddZones(const TripLimits& limits, Panels& panels) {
       });
 }
 
-// The states of the arm's session and of its safety controller.
+// Plots the states of the arm's session and of its safety controller.
 void AddSession(Panels& panels) {
   panels.BeginPanel("State of the arm's session: 4 is commanded (COMMANDING_ACTIVE)", "state",
                     {{4.0, "needed"}});
@@ -244,13 +247,13 @@ void AddSession(Panels& panels) {
                   [&](std::size_t i) { return static_cast<double>(panels[i].input.safety_state); });
 }
 
-// The period that the arm's messages state, and the time between their arrivals.
+// Plots the period that the arm's messages state, and the time between their arrivals.
 void AddPeriod(double period_s, Panels& panels) {
   panels.BeginPanel("Period of the arm's messages", "period [ms]",
                     {{1e3 * period_s, fmt::format("the cell's {:g} ms", 1e3 * period_s)}});
   panels.AddCurve("as its messages say", kJointColors[0],
                   [&](std::size_t i) { return 1e3 * panels[i].input.period_s; });
-  // a tick without a message has the time of the last one
+  // a tick without a message repeats the stamp of the last message
   panels.AddCurve("as they came", kJointColors[1], [&](std::size_t i) {
     const rt::Nanoseconds apart = panels[i].input.arm_stamp - panels.Before(i).input.arm_stamp;
     return apart > 0 ? 1e3 * rt::ToSeconds(apart) : kNoValue;
@@ -268,7 +271,7 @@ void AddForceLimitTime(const control::ServoParams& servo, Panels& panels) {
                           });
 }
 
-// The change of the coupling's force from tick to tick, and the limit that the tick recorded for it.
+// Plots the change of the coupling's force from tick to tick, and its limit as recorded in each tick.
 void AddWrenchRate(Panels& panels) {
   panels.BeginPanel("By how much the coupling's force grew or turned in a tick", "step [N]", {});
   panels.AddCurve("step", kJointColors[0], [&](std::size_t i) { return panels[i].wrench_step_N; });
@@ -289,7 +292,7 @@ void AddDeflection(const control::ComplianceParams& params, Panels& panels) {
                           [&](std::size_t i) { return 1e3 * Vector3(panels[i].compliance.mount_m).norm(); });
 }
 
-// The panels of faults of force, depth in bone, deflection and force sensor.
+// Adds the panels for a fault of force, depth in bone, deflection or force sensor.
 void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {
   if (fault == Fault::kWrenchRate) AddWrenchRate(panels);
   if (fault == Fault::kForceLimit) AddForceLimitTime(servo, panels);
@@ -311,7 +314,7 @@ void AddForces(Fault fault, const control::ServoParams& servo, Panels& panels) {
   }
 }
 
-// The panels of faults of motion: speed, zones, joints, tracking.
+// Adds the panels for a fault of motion: speed, zones, joints, tracking.
 void AddMotion(Fault fault, const TripLimits& limits, Panels& panels) {
   if (fault == Fault::kToolSpeed) AddToolSpeed(limits.servo, panels);
   if (fault == Fault::kArmSpeed) AddArmSpeed(limits, panels);
@@ -326,7 +329,7 @@ void AddMotion(Fault fault, const TripLimits& limits, Panels& panels) {
         });
 }
 
-// The panels of faults of the arm's connection: session, period, command mode.
+// Adds the panels for a fault of the arm's connection: session, period, command mode.
 void AddArm(Fault fault, const control::ServoParams& servo, Panels& panels) {
   if (fault == Fault::kSession) AddSession(panels);
   if (fault == Fault::kPeriod) AddPeriod(servo.period_s, panels);

@@ -14,8 +14,8 @@ namespace {
 
 using control::TickRecord;
 
-// Returns a function that computes the position of apex, flange or elbow in W from a tick's joints: the
-// measured ones under the impedance law, otherwise the commanded ones. @tparam Arm  kinematics::LbrArm,
+// Returns a function that computes the position of apex, flange or elbow in W from a tick's joint positions:
+// the measured ones under the impedance law, otherwise the commanded ones. @tparam Arm  kinematics::LbrArm,
 // OrthoParallelArm
 template <class Arm>
 auto PointsOf(std::shared_ptr<const Arm> arm, const config::CellConfig& cell) {

@@ -6,7 +6,8 @@
 namespace osteon::session {
 
 /// Collects the limits that a cell's stop pages show.
-/// @param virtual_time  true: a message counts as missed after one period; false: after kArmDeadlinePeriods
+/// @param virtual_time  true: the arm's message counts as missed after one period; false: after
+/// kArmDeadlinePeriods periods
 [[nodiscard]] TripLimits TripLimitsOf(const config::CellConfig& cell, bool virtual_time);
 
 }  // namespace osteon::session

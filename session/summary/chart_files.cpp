@@ -16,7 +16,7 @@
 namespace osteon::session {
 namespace {
 
-// The processor's name as the kernel tells it.
+// Returns the processor's name as the kernel reports it.
 std::string ProcessorName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
@@ -26,7 +26,7 @@ std::string ProcessorName() {
 }
 
 // Whether all cells of a column, except its head, begin like numbers. Such a column is aligned to the right
-// and does not wrap. The first column never counts as numbers.
+// and does not wrap. False for the first column.
 bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (column >= rows[i].size() || rows[i][column].empty()) continue;
@@ -37,7 +37,7 @@ bool HasNumbers(const std::vector<std::vector<std::string>>& rows, std::size_t c
   return column > 0;
 }
 
-// An HTML table; the first row is the head.
+// Makes an HTML table; the first row is the head.
 std::string Table(const std::vector<std::vector<std::string>>& rows) {
   std::string html = "<div class=\"wide\">\n<table>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -13,13 +13,15 @@ namespace osteon::session {
 /// Returns the machine's name for a chart: processor, cores, system.
 [[nodiscard]] std::string MachineName();
 
-/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if the name is free or is a folder's.
+/// Returns "OPTION FOLDER: found a file, accepted a folder"; empty if nothing has this name, or a folder has
+/// it.
 [[nodiscard]] std::string ValidateOutputFolder(const char* option, const std::filesystem::path& folder);
 
 /// Returns "OPTION FILE: no folder FOLDER"; empty if the file's folder exists, or no file is named.
 [[nodiscard]] std::string ValidateParentFolder(const char* option, const std::filesystem::path& file);
 
-/// Checks the same, and returns "OPTION FILE: found a folder, accepted a file" if `file` is a folder.
+/// Does the checks of ValidateParentFolder, and returns "OPTION FILE: found a folder, accepted a file" if
+/// `file` is a folder.
 [[nodiscard]] std::string ValidateOutputFile(const char* option, const std::filesystem::path& file);
 
 /// Writes FILE.svg and FILE.png. @returns an error that names the file.
@@ -29,16 +31,16 @@ namespace osteon::session {
 /// A further part of a chart's page: a picture, a table, or both.
 struct ChartPart {
   std::string heading;
-  std::string name{};  ///< of the picture's files, without an extension; empty: no picture
+  std::string name{};  ///< name of the picture's files, without an extension; empty: no picture
   std::string svg{};
   std::string caption{};
-  std::vector<std::vector<std::string>> table{};  ///< as ChartFiles::table; empty: none
+  std::vector<std::vector<std::string>> table{};  ///< like ChartFiles::table; empty: no table
 };
 
-/// A chart in its five forms, side by side in one folder.
+/// A chart that is written in five file formats into one folder.
 struct ChartFiles {
-  std::string name;   ///< of the files, without an extension
-  std::string title;  ///< of the page
+  std::string name;   ///< name of the files, without an extension
+  std::string title;  ///< title of the page
   report::ReportVerdict verdict;
   std::string svg;
   std::string caption;
@@ -47,7 +49,7 @@ struct ChartFiles {
   std::filesystem::path json_copy;              ///< a second copy of the JSON; empty: none
   std::vector<std::vector<std::string>> table;  ///< the first row names the columns; the first column is text
   std::vector<std::string> notes;               ///< paragraphs below the chart
-  std::vector<ChartPart> parts{};               ///< below the table
+  std::vector<ChartPart> parts{};               ///< further parts below the table
 };
 
 /// Writes NAME.svg, .png, .csv, .json, .html, and a .svg and .png for each part with a picture; each file

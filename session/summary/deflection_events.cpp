@@ -11,7 +11,7 @@
 namespace osteon::session {
 namespace {
 
-// An event has ended once the displacement has been within the error for this time.
+// An event has ended once the displacement has been below the cell's error for this time.
 constexpr rt::Nanoseconds kEventGap = rt::kSecond / 2;
 
 // Returns the part with the largest displacement, and this displacement [m].

@@ -18,12 +18,13 @@ inline constexpr const char* kDeflectionEvent = "deflection";
 struct PeakDeflection {
   void Add(const control::ComplianceRecord& record);
 
-  bool present{false};                  ///< whether tool, layer or mount can give way
-  double bend_m{0.0}, layer_m{0.0};     ///< displacement of the tool's apex by its bend; of the surface layer
-  double mount_m{0.0}, mount_rad{0.0};  ///< shift and turn of the bone at its mount's point
+  bool present{false};                  ///< whether the cell models the compliance of tool, layer or mount
+  double bend_m{0.0}, layer_m{0.0};     ///< displacement of the apex by bending; indentation of the layer
+  double mount_m{0.0}, mount_rad{0.0};  ///< translation and rotation of the bone at its mount's point
 };
 
-/// Finds in a run's ticks where a displacement grew beyond the cell's error, as rows among the run's events:
+/// Finds in a run's ticks where a displacement grew larger than the cell's error. Each such event becomes a
+/// row in the list of the run's events:
 ///
 ///     "deflection"   at the first such tick, with the largest displacement of this event [mm]
 ///
@@ -39,7 +40,7 @@ class DeflectionEvents {
  private:
   std::vector<EventRow> rows_;
   std::optional<rt::Nanoseconds> start_;  // stamp of the run's first tick
-  std::optional<rt::Nanoseconds> last_;   // stamp of the last tick beyond the error
+  std::optional<rt::Nanoseconds> last_;   // stamp of the last tick with a displacement beyond the error
 };
 
 /// Makes the text that is recorded when a deflection event begins: "deflection: the tool gives way by 0.052
@@ -47,10 +48,10 @@ class DeflectionEvents {
 [[nodiscard]] std::string DescribeDeflection(const control::ComplianceRecord& record);
 
 /// Passes all records on to the next sink, and records an event whenever a deflection event begins. Runs in
-/// the recorder's thread, never in the tick's.
+/// the recorder's thread, never in the servo thread.
 class DeflectionSink final : public io::RecordSink {
  public:
-  /// @param next  gets the same records; null: there is no other sink. Must outlive this.
+  /// @param next  gets the same records; null: there is no other sink. Must outlive this object.
   explicit DeflectionSink(io::RecordSink* next) : next_(next) {}
   /// @param recorder  gets the events; must outlive the last tick
   void RecordIn(io::Recorder& recorder) { recorder_ = &recorder; }

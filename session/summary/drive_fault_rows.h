@@ -13,10 +13,10 @@ namespace osteon::session {
 struct DriveFaultRow {
   double time_s{0.0};               ///< since the run's first tick
   std::uint8_t latched{0};          ///< newly latched io::DriveFault bits; 0: the drive was reset
-  std::uint8_t nmt_state{0};        ///< state by CiA 301
-  std::uint16_t emergency_code{0};  ///< by CiA 301; 0: none
+  std::uint8_t nmt_state{0};        ///< NMT state (CiA 301)
+  std::uint16_t emergency_code{0};  ///< code of the last EMCY message (CiA 301); 0: none
   std::uint16_t error_code{0};      ///< object 603F of CiA 402; 0: none
-  std::string text;                 ///< the report in words, with the codes' meaning
+  std::string text;                 ///< the row in words, with the meaning of the codes
 };
 
 /// Collects the rows from the ticks: one whenever a further fault is latched, and one when the faults are

@@ -9,7 +9,7 @@ namespace osteon::session {
 struct EventRow {
   std::string name;
   double time_s{0.0};
-  double value{0.0};  ///< in `unit`
+  double value{0.0};  ///< the event's value, in `unit`
   std::string unit;
 };
 

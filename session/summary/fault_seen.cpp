@@ -17,7 +17,7 @@ namespace {
 
 using control::TickRecord;
 
-// "8 ms old", or `never` if no message has come.
+// Formats an age, "8 ms old", or returns `never` if no message has come.
 std::string AgeText(double age_s, const char* never) {
   return age_s < safety::kNoAge_s ? fmt::format("{:.0f} ms old", age_s * 1e3) : never;
 }
@@ -26,8 +26,8 @@ std::string AgeText(const TickRecord& tick, rt::Nanoseconds stamp, const char* n
   return AgeText(safety::StampAge(tick.input.now, stamp), never);
 }
 
-// Describes the PLC's permission: its reason without the consequence ("…: Stop 1"), the enabling switch, and
-// the age of the PLC's message.
+// Describes the PLC's permission: the reason for withholding it (without the text's end ": Stop 1"), the
+// enabling switch, and the age of the PLC's message.
 std::string DescribeInterlock(const TickRecord& tick) {
   const std::string age = AgeText(tick, tick.input.interlock_stamp, "none yet");
   if (tick.input.permitted)
@@ -65,8 +65,8 @@ std::string FirstNotFinite(const std::array<double, 7>& values, const char* what
   return "";
 }
 
-// Names the first input of a tick that is not finite, with its value. If arm and sensor are finite, it was
-// the contact model.
+// Names the first input of a tick that is not finite, with its value. If arm and sensor are finite, names the
+// contact model.
 std::string DescribeNotFinite(const TickRecord& tick) {
   std::string text = FirstNotFinite(tick.q_meas, "measured");
   if (text.empty() && tick.input.has_ipo) text = FirstNotFinite(tick.input.q_ipo, "of the interpolator");
@@ -86,8 +86,8 @@ class AcceptedSuffix {
  public:
   explicit AcceptedSuffix(const control::ServoParams* servo) : servo_(servo) {}
 
-  /// @param unit  of the measured value and of the limit;  @param limit  (const control::ServoParams&) ->
-  /// double
+  /// @param unit  unit of the measured value and of the limit;  @param limit  (const control::ServoParams&)
+  /// -> double
   template <class Limit>
   [[nodiscard]] std::string operator()(const char* unit, const Limit& limit) const {
     return servo_ == nullptr ? std::string() : fmt::format(", accepted {:.4g} {}", limit(*servo_), unit);
@@ -160,7 +160,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
       return DescribeInterlock(tick);
     case Fault::kSpindle:
       return DescribeSpindle(tick);
-    case Fault::kForceLimit:  // the recorded force is the asked one times the limit's scale
+    case Fault::kForceLimit:  // the recorded force is the coupling's force times the limit's scale
       if (!(tick.wrench_scale > 0.0)) return "";
       return fmt::format("{:.0f} N asked of the coupling",
                          Vector3(tick.F_coupling_T_W.f).norm() / tick.wrench_scale) +
@@ -173,7 +173,7 @@ std::string SeenAt(safety::Fault fault, const TickRecord& tick, const control::S
     case Fault::kSpindleLimit:
       return fmt::format("{:.2f} N·m at {:.0f} rad/s", tick.input.spindle_torque_Nm,
                          tick.input.spindle_meas_rad_per_s);
-    default:  // the record holds nothing beyond the fault's name
+    default:  // the tick's record has no value for these faults
       return "";
   }
 }

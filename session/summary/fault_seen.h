@@ -14,7 +14,7 @@ namespace osteon::session {
                                                    std::span<const control::TickRecord> ticks);
 
 /// Describes what was measured when a fault was latched, e.g. "RUN_PERMITTED (974) is 0; the PLC's word: 8 ms
-/// old", if a tick's record tells it; else empty.
+/// old", if the tick's record has the value; else empty.
 /// @param tick  the first one that has the fault
 /// @param servo  the cell's parameters, from which the accepted value is added: "the reading is 101 ms old,
 ///   accepted 100 ms"; null: not known

@@ -12,10 +12,10 @@
 namespace osteon::session {
 namespace {
 
-// Sum of squared command steps below which a run moved too little to show the arm's delay.
+// If the sum of the squared command steps is smaller, the arm moved too little to measure its delay.
 constexpr double kMinMoved_rad2 = 1e-6;
 
-// Mean of the part of this name [s]; 0 if there is none.
+// Mean of the latency part with this name [s]; 0 if there is none.
 double MeanOfPart_s(const LatencyFigures& latency, const char* name) {
   for (const LatencyPart& part : latency.parts)
     if (part.name == name) return part.mean_s;
@@ -35,13 +35,13 @@ void LatencyMeter::Add(const control::TickRecord& tick) {
     kept_ = 0;
     return;
   }
-  // a reading that has not come yet has no age
+  // before the first reading there is no age
   if (tick.sensor_age_s < safety::kNoAge_s) sensor_.Add(tick.sensor_age_s);
   link_.Add(rt::ToSeconds(tick.wakeup_ns));
   tick_.Add(rt::ToSeconds(tick.compute_ns));
   if (tick.phase == control::Phase::kHaptic && tick.model_age_s < safety::kNoAge_s)
     model_.Add(tick.model_age_s);
-  // with an overlay of wrench or torque the command only follows the arm
+  // in the command modes wrench and torque, the commanded position only follows the arm
   if (tick.input.command_mode == static_cast<std::uint8_t>(control::CommandMode::kPosition)) AddMotion(tick);
 }
 
@@ -72,7 +72,7 @@ double LatencyMeter::ArmDelay_ticks() const {
   const auto best = static_cast<std::size_t>(std::ranges::min_element(error_) - error_.begin());
   if (best == 0) return 0.0;
   if (best + 1 == kTicks) return -1.0;  // the delay may be longer than kTicks
-  // the minimum of the parabola through the smallest sum of squares and its two neighbours
+  // interpolate: take the minimum of the parabola through the smallest sum of squares and its two neighbours
   const double left = error_[best - 1], middle = error_[best], right = error_[best + 1];
   const double curvature = left - 2.0 * middle + right;
   const double shift = curvature > 0.0 ? 0.5 * (left - right) / curvature : 0.0;
@@ -81,7 +81,8 @@ double LatencyMeter::ArmDelay_ticks() const {
 
 namespace {
 
-// The arm's part for an arm that follows position commands. @param ticks  its delay; negative: not known
+// Makes the latency part of an arm that follows position commands. @param ticks  delay of the arm in ticks;
+// negative: not known
 LatencyPart FollowingArm(double ticks, double period_s) {
   const double delay_s = std::max(0.0, ticks) * period_s;
   return {.name = "arm",
@@ -92,7 +93,8 @@ LatencyPart FollowingArm(double ticks, double period_s) {
                               : "taken as 0: no position commands that moved enough to tell it"};
 }
 
-// The arm's part for an arm that controls itself and adds the loop's forces: the dead time of these forces.
+// Makes the latency part of an arm in its own impedance control, to which the loop's forces are added: the
+// dead time of these forces.
 LatencyPart OverlaidArm(const LatencyContext& context) {
   return {.name = "arm",
           .mean_s = context.arm_dead_time_s,
@@ -108,7 +110,7 @@ LatencyFigures LatencyMeter::Figures(double period_s, const LatencyContext& cont
   LatencyFigures latency;
   if (link_.count == 0) return latency;
   const bool has_readings = sensor_.count > 0;
-  const double sensor_delay_s = context.sensor_delay_s;  // from the force to the reading's stamp
+  const double sensor_delay_s = context.sensor_delay_s;  // delay from the force to the reading's stamp
   latency.parts.push_back(
       {.name = "sensor",
        .mean_s = sensor_.Value() + sensor_delay_s,
@@ -152,7 +154,7 @@ LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_tim
   context.overlay = cell.servo.law == control::Law::kImpedance;
   if (!context.overlay) return context;
   context.arm_dead_time_s = cell.simulated.dynamic.dead_cycles * cell.servo.period_s;
-  if (cell.identified)  // the longest of the identified dead times
+  if (cell.identified)  // take the longest identified dead time
     for (const config::IdentifiedArm& arm : cell.identified->arm) {
       context.arm_dead_time_s =
           context.arm_known ? std::max(context.arm_dead_time_s, arm.dead_time_s) : arm.dead_time_s;

@@ -20,38 +20,40 @@ namespace osteon::session {
 struct LatencyPart {
   std::string name;      ///< "sensor", "link", "tick", "arm", "model"
   double mean_s{0.0};    ///< mean over the ticks in which the arm was commanded
-  double max_s{0.0};     ///< for the arm, which has no maximum: the mean
+  double max_s{0.0};     ///< maximum; for the arm, which has none, the mean
   bool measured{false};  ///< false: assumed, see `how`
-  std::string how;       ///< what it was measured by, or why it is assumed
+  std::string how;       ///< how it was measured, or why it is assumed
 };
 
-/// Latency of a run: how long a change of the hand's force takes to move the arm, and a contact with the bone
-/// to be felt by the hand.
+/// Latency of a run: the time until a change of the hand's force moves the arm, and the time until a contact
+/// with the bone reaches the hand.
 struct LatencyFigures {
   std::vector<LatencyPart> parts;  ///< empty: the arm was never commanded
-  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm itself
+  double hand_to_arm_s{0.0};       ///< sensor + link + tick + arm; 0 if the hand moves the arm directly
   double bone_to_hand_s{0.0};      ///< model + link + tick + arm
   bool hand_moves_arm{false};      ///< impedance law: the hand moves the arm directly, without the loop
   /// Whether every part was measured; false without parts.
   [[nodiscard]] bool Measured() const;
 };
 
-/// The facts for a run's latency that its recording does not have.
+/// The facts that a run's latency depends on and that its recording does not contain.
 struct LatencyContext {
-  bool virtual_time{false};    ///< scheduling takes no time
-  double sensor_delay_s{0.0};  ///< from the force to the reading's stamp; assumed 0 if not known
-  bool sensor_known{false};    ///< this delay was identified
+  bool virtual_time{false};    ///< the run was in virtual time, in which scheduling takes no time
+  double sensor_delay_s{0.0};  ///< delay from the force to the reading's stamp; 0 if not known
+  bool sensor_known{false};    ///< sensor_delay_s was identified
   /// Impedance law: the arm controls itself, and the loop's forces are added. The arm's part of the latency
   /// is then the dead time until these forces act.
   bool overlay{false};
-  double arm_dead_time_s{0.0};  ///< the dead time of added forces
-  bool arm_known{false};        ///< this dead time was identified; false: assumed
+  double arm_dead_time_s{0.0};  ///< dead time of the added forces
+  bool arm_known{false};        ///< arm_dead_time_s was identified; false: assumed
 };
 
-/// Makes the context from the cell and its identification of sensor and arm. @param virtual_time  of the run
+/// Makes the context from the cell and its identification of sensor and arm. @param virtual_time  whether the
+/// run was in virtual time
 [[nodiscard]] LatencyContext LatencyContextOf(const config::CellConfig& cell, bool virtual_time);
 
-/// Measures the parts from recorded ticks, one by one. Memory does not grow.
+/// Measures the parts of the latency from recorded ticks, taken one by one. Its memory does not grow. k is
+/// the index of a tick, d a number of ticks.
 ///
 ///     sensor   age of the reading that the tick used, by its stamp, and the sensor's own delay
 ///     link     from the arrival of the arm's message to the loop's wake-up
@@ -64,7 +66,7 @@ class LatencyMeter {
  public:
   void Add(const control::TickRecord& tick);
 
-  /// @param period_s  of a tick
+  /// @param period_s  time of a tick
   [[nodiscard]] LatencyFigures Figures(double period_s, const LatencyContext& context) const;
 
  private:
@@ -77,11 +79,11 @@ class LatencyMeter {
   };
   // Adds a tick's commanded and measured positions to the search for the arm's delay.
   void AddMotion(const control::TickRecord& tick);
-  [[nodiscard]] double ArmDelay_ticks() const;  // negative: not known, as when nothing moved
+  [[nodiscard]] double ArmDelay_ticks() const;  // negative: not known, for example because nothing moved
 
   Mean sensor_, link_, tick_, model_;
   std::array<std::array<double, 7>, kTicks> sent_{};  // commands, in a ring
-  std::size_t next_{0}, kept_{0};       // place of the next command in the ring; number of commands in it
+  std::size_t next_{0}, kept_{0};       // index of the next command in the ring; number of commands in it
   std::array<double, kTicks> error_{};  // sum of squares of measured minus commanded, for each delay
   double moved_{0.0};                   // sum of squares of the commands' steps
 };

@@ -57,7 +57,7 @@ EffectiveLimit Tightest(std::string name, std::string unit, const std::vector<Bo
           .from = bounds[tightest].origin + others};
 }
 
-// "force 200 N (cell; ceiling: 250)".
+// Formats a limit: "force 200 N (cell; ceiling: 250)".
 std::string Text(const EffectiveLimit& limit) {
   return fmt::format("{} {:.4g} {} ({})", limit.name, limit.value, limit.unit, limit.from);
 }
@@ -66,7 +66,7 @@ std::string PlaceText(const Vector3& p_m) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) mm", 1e3 * p_m.x(), 1e3 * p_m.y(), 1e3 * p_m.z());
 }
 
-// Describes the zone in which a point of tool or arm must or must not be, in the world's frame.
+// Describes a zone, in the world's frame, and which point of tool or arm must be inside or outside of it.
 std::string Text(const safety::ZoneParams& zone) {
   constexpr std::array<const char*, 5> kShapes{"half-space", "sphere", "box", "cylinder", "capsule"};
   constexpr std::array<const char*, 3> kPoints{"apex", "flange", "elbow"};
@@ -215,7 +215,7 @@ std::vector<std::string> LimitLines(const control::ServoParams& params) {
 }
 
 void PrintLimits(const control::ServoParams& params) {
-  constexpr std::size_t kWidth = 110;  // characters of a printed line
+  constexpr std::size_t kWidth = 110;  // length of a printed line in characters
   if (!params.has_interlock) fmt::print("Permission to move: {}.\n", kWithoutPlc);
   std::string line = "Limits in force:";
   for (const std::string& limit : LimitLines(params)) {

@@ -18,7 +18,7 @@ void PauseEvents::Add(const control::TickRecord& tick) {
     add_row(kPauseEvent, asked_at, tick.stamp - asked_at);
     asked_at_.reset();
   }
-  if (!paused && paused_at_) {  // a pause that the run's end has ended makes no event
+  if (!paused && paused_at_) {  // a pause that lasts until the run's end has no resume event
     if (tick.input.resume) add_row(kResumeEvent, tick.stamp, tick.stamp - *paused_at_);
     paused_at_.reset();
   }

@@ -8,10 +8,11 @@
 
 namespace osteon::session {
 
-/// Names of the rows.
+/// Names of the rows in the list of events.
 inline constexpr const char *kPauseEvent = "pause", *kResumeEvent = "resume";
 
-/// Finds an operator's pauses and their ends in a run's ticks, as rows among the run's events.
+/// Finds in a run's ticks the operator's pauses and their ends. Each becomes a row in the list of the run's
+/// events:
 ///
 ///     "pause"    at the request, with the time until the arm was at rest [s]
 ///     "resume"   at the request, with the time for which the cell had been paused [s]
@@ -29,7 +30,7 @@ class PauseEvents {
   std::vector<EventRow> rows_;
   std::optional<rt::Nanoseconds> start_;      // stamp of the run's first tick
   std::optional<rt::Nanoseconds> asked_at_;   // first request of a pause that is not in effect yet
-  std::optional<rt::Nanoseconds> paused_at_;  // none: the cell is not paused
+  std::optional<rt::Nanoseconds> paused_at_;  // stamp of the pause in effect; none: the cell is not paused
 };
 
 }  // namespace osteon::session

@@ -31,20 +31,22 @@ class ProcedureSession;
 struct ActiveTicks {
   void Add(const control::TickRecord& tick);
 
-  double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages up to which model and sensor count in full
+  double fresh_s{0.0}, sensor_full_s{0.0};     ///< ages of model and reading up to which force is full
   std::optional<rt::Nanoseconds> first, last;  ///< stamps of the first and the last such tick
-  /// Stamp of the last tick in which the loop was not at rest after a stop.
+  /// Stamp of the last tick in which the loop was not yet at rest after a stop.
   rt::Nanoseconds stopped_at{0};
   report::DurationCounts step, wakeup, compute;  ///< step: from one tick's stamp to the next
-  /// Number of ticks in which any limit reduced the coupling's wrench, and in which the arm's joint torques
-  /// alone would have reduced it; then the smallest fraction that was rendered, and that the arm could hold.
+  /// cut: number of ticks in which any limit reduced the coupling's wrench; arm_cut: ticks in which the
+  /// limits of the arm's joint torques alone would have reduced it. min_wrench_share and min_arm_share are
+  /// the smallest fractions of the wrench in these two cases.
   std::uint64_t cut{0}, arm_cut{0};
   double min_wrench_share{1.0}, min_arm_share{1.0};
-  /// Number of ticks in which each stabiliser acted, and the extremes of the age governor's factors.
+  /// Number of ticks in which each stabiliser acted, and the extremes of the age governor's factors on
+  /// damping and on the coupling.
   std::uint64_t age_governor{0}, passivity{0}, tank{0};
   double max_age_damping{1.0}, min_age_share{1.0};
   std::uint64_t rendering{0}, stale{0},
-      sensor_late{0};  ///< number of rendering ticks: all, with an old model, with an old sensor reading
+      sensor_late{0};  ///< rendering ticks: all; those with an old model; with an old reading
 };
 
 /// Gathers everything that a run's summary needs from its recording, in one pass over ticks and frames.
@@ -70,16 +72,16 @@ struct RunAccumulator {
   PauseEvents pauses;
   DeflectionEvents deflections;
   PeakDeflection deflected;
-  std::map<safety::Fault, control::TickRecord> first_with;  ///< the first tick that has each fault
+  std::map<safety::Fault, control::TickRecord> first_with;  ///< for each fault, the first tick that has it
   std::uint32_t seen_faults{0};                             ///< the keys of first_with, as bits
   control::TickInput last_input;
 
   // gathered from the frames
   std::uint64_t frames{0};
-  report::DurationCounts frame_step;  ///< from one stamp to the next
+  report::DurationCounts frame_step;  ///< time from one frame's stamp to the next
   std::optional<rt::Nanoseconds> last_frame;
   simulation::ReamedDepth reamed;
-  double cup_depth_m{0.0};  ///< the value of the last frame
+  double cup_depth_m{0.0};  ///< cup depth in the last frame
 
   /// Tools and paths of a procedure's passes; null: a run of one tool, which has cut along `path`.
   std::shared_ptr<const SessionCut> session_cut{};

@@ -108,7 +108,7 @@ FolderClaim::~FolderClaim() {
 std::string FolderClaim::Acquire(const fs::path& folder) {
   if (descriptor_ >= 0) return "";
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (opened < 0) return "";  // the code that creates or fills the folder reports the error
+  if (opened < 0) return "";  // no error here: the code that creates or fills the folder reports it
   if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(opened);
     return fmt::format("--out {}: found a folder that another osteon writes into, accepted another one",

@@ -8,7 +8,8 @@
 
 #include <tl/expected.hpp>
 
-// The names of a run's files, and how a later run keeps from overwriting them: they are evidence.
+// The names of a run's files, and the functions that keep a later run from overwriting them, since they are
+// evidence.
 
 namespace osteon::session {
 
@@ -31,10 +32,11 @@ namespace osteon::session {
                                                    std::chrono::system_clock::time_point time);
 
 /// Lists the existing files that a run has left under its recording's name: STEM.mcap, STEM_report.html,
-/// STEM_stop_1.html, STEM_stop_1_ticks.csv and so on. Only regular files count, no devices.
+/// STEM_stop_1.html, STEM_stop_1_ticks.csv and so on. Lists regular files only, no devices.
 [[nodiscard]] std::vector<std::filesystem::path> FilesOfRun(const std::filesystem::path& recording);
 
-/// Says why a run must not use this recording's name: files of an earlier run have it. Empty if it may.
+/// Says why a run must not use this recording's name: files of an earlier run have the name. Empty if the run
+/// may use it.
 [[nodiscard]] std::string ValidateRecordingName(const std::filesystem::path& recording);
 
 /// Removes an earlier run's files. @returns the files that could not be removed, and why; empty: none
@@ -50,7 +52,7 @@ class FolderClaim {
   FolderClaim& operator=(const FolderClaim&) = delete;
 
   /// Claims the folder. A folder that does not exist need not be claimed; a second claim changes nothing.
-  /// @returns an empty string, or the reason: another process has it.
+  /// @returns an empty string, or the reason for the refusal: another process has claimed the folder.
   [[nodiscard]] std::string Acquire(const std::filesystem::path& folder);
 
  private:
@@ -58,12 +60,12 @@ class FolderClaim {
 };
 
 /// Moves files of a folder into a subfolder of it, "earlier_2026-11-26_09-30-00", named by the time of the
-/// newest one.
+/// newest file.
 /// @returns that subfolder; empty: there were no files. An error names the file.
 [[nodiscard]] tl::expected<std::filesystem::path, std::string> KeepEarlier(
     const std::filesystem::path& folder, const std::vector<std::filesystem::path>& files);
 
-/// The same for an earlier demo's files: its recording with everything named after it, summary.json,
+/// Moves an earlier demo's files in the same way: the recording, the files named after it, summary.json and
 /// report.html.
 [[nodiscard]] tl::expected<std::filesystem::path, std::string> KeepEarlierDemo(
     const std::filesystem::path& folder);

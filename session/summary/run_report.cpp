@@ -30,7 +30,7 @@ tl::expected<report::ReportFigures, std::string> WriteRunReport(
     if (const auto& cavity = run.session_cut->planned)
       planned = [cavity = *cavity](const Vector3& p_m) { return cavity.DistanceTo(p_m); };
   }
-  // the last pass's tool and path are drawn as the run's; the passes before it as earlier ones
+  // draw the last pass's tool and path as the run's, and the passes before it as earlier cuts
   simulation::ToolPath last{.tool = &setup.config.tool.tool, .X_GP = run.path.X_GP()};
   if (!paths.empty()) {
     last = paths.back();

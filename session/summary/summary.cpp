@@ -22,17 +22,17 @@
 namespace osteon::session {
 namespace {
 
-// Edge of a cell of the grid that measures the swept volume: kSweepCell_m, or less for a small tool, so that
-// its first ball's radius has kSweepCellsPerRadius cells.
+// Edge of a cell of the grid that measures the swept volume: kSweepCell_m, but for a small tool only so much
+// that its first ball's radius spans kSweepCellsPerRadius cells.
 constexpr double kSweepCell_m = 0.4e-3, kSweepCellsPerRadius = 25.0;
 
-// Rate by the median of the intervals, 1 / median [Hz]; 0 without intervals.
+// Rate from the intervals: 1 / median [Hz]; 0 without intervals.
 double MedianRate_hz(const report::DurationCounts& steps) {
   const double step_s = steps.count() > 0 ? rt::ToSeconds(steps.At(steps.count() / 2)) : 0.0;
   return step_s > 0.0 ? 1.0 / step_s : 0.0;
 }
 
-// A row for each fault: when it first appeared, and what was measured then.
+// Makes a row for each fault: when it first appeared, and what was measured then.
 std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumulator& run,
                                         const control::ServoParams& servo) {
   std::vector<report::FaultRow> rows;
@@ -47,7 +47,8 @@ std::vector<report::FaultRow> FaultRows(safety::FaultSet faults, const RunAccumu
   return rows;
 }
 
-// The events of scene, pauses and deflections in the order of their times, which count from `start`.
+// Makes the rows of the events of scene, pauses and deflections, in the order of their times, which count
+// from `start`.
 std::vector<EventRow> EventRows(const std::vector<simulation::SceneEvent>& events, const RunAccumulator& run,
                                 rt::Nanoseconds start) {
   std::vector<EventRow> rows;
@@ -223,7 +224,7 @@ RunSummary Summarise(const CellSetup& setup, const simulation::CuttingEngine& en
   s.cell_report = result.cell_report;
   const nlohmann::json cell = nlohmann::json::parse(result.cell_report, nullptr, false);
   if (cell.is_object() && cell.contains("arm")) s.arm_stop = cell["arm"].value("stop", "");
-  // a PLC switches off the power of an arm at rest: then this is not the reason of the end
+  // not the reason of the end: the PLC has switched off the power of an arm that was already at rest
   if (s.arm_stop == hil::kNoPower && !result.faults.Has(safety::Fault::kSession)) s.arm_stop.clear();
   s.recovered = result.recovered + result.operator_recoveries;
   s.operator_recoveries = result.operator_recoveries;
@@ -248,7 +249,7 @@ std::string DescribeRecordingErrors(const CellRunResult& result, const std::stri
 }
 
 int ExitCode(const CellRunResult& result) {
-  // the stop flag without a signal or an operator's stop means that the simulated cell has died
+  // if the stop flag is set without a signal or an operator's stop, the simulated cell has died
   const bool interrupted = result.end == control::RunEnd::kStopFlag && base::InterruptName()[0] != '\0';
   const bool done = result.end == control::RunEnd::kSeconds && !result.faults.Any();
   const int code = interrupted ? base::InterruptExitCode() : done ? 0 : 1;

@@ -10,7 +10,7 @@
 namespace osteon::session {
 namespace {
 
-// In microseconds.
+// Makes the JSON of a duration's figures, in microseconds.
 nlohmann::json ToJson(const DurationFigures& d) {
   return {{"p50", d.p50_s * 1e6}, {"p99", d.p99_s * 1e6}, {"p999", d.p999_s * 1e6}, {"max", d.max_s * 1e6}};
 }
@@ -42,7 +42,7 @@ nlohmann::ordered_json EngineProcessJson(const EngineProcessResult& p) {
           {"carved_again", text_or_null(p.unfetched)}};
 }
 
-// Null if the cell is rigid.
+// Makes the JSON of the largest displacements; null if the cell is rigid.
 nlohmann::ordered_json DeflectionJson(const PeakDeflection& peak, double noticed_m) {
   if (!peak.present) return nullptr;
   return {{"peak_bend_mm", 1e3 * peak.bend_m},
@@ -179,7 +179,7 @@ std::string ToJson(const RunSummary& s, const std::string& schema) {
   out["stops"] = stops;
   out["stop_ticks"] = stop_ticks;
   out["min_wall_mm"] = s.min_wall_m ? nlohmann::json(*s.min_wall_m * 1e3) : nlohmann::json(nullptr);
-  out["least_wall_mm"] = out["min_wall_mm"];  // its older name, which stays for programs that read it
+  out["least_wall_mm"] = out["min_wall_mm"];  // the old name of this key, kept for programs that read it
   if (s.wakeup.count > 0) {
     out["wakeup_us"] = ToJson(s.wakeup);
     out["compute_us"] = ToJson(s.compute);

@@ -11,8 +11,8 @@
 namespace osteon::session {
 namespace {
 
-// Says which part of the coupling's wrench the limits kept from the hand, and whether the arm could have held
-// it.
+// Says by how much limits reduced the coupling's wrench, and whether the arm could have held the whole
+// wrench.
 std::string CutText(const RunSummary& s) {
   if (s.cut_ticks == 0) return "none";
   return fmt::format("up to {:.0f} %, in {} ticks; {}", 100.0 * (1.0 - s.min_wrench_share), s.cut_ticks,
@@ -31,7 +31,7 @@ std::string ActedText(const RunSummary& s) {
   return text.empty() ? "none" : text;
 }
 
-// Says in how many ticks each stabiliser acted, with its extremes.
+// Says in how many ticks each stabiliser acted, and the extremes of its factors.
 std::string StabiliserText(const RunSummary& s) {
   const auto count_text = [](std::uint64_t ticks, const std::string& how) {
     return ticks == 0 ? std::string("no") : fmt::format("{} ticks{}", ticks, how);
@@ -43,7 +43,7 @@ std::string StabiliserText(const RunSummary& s) {
       count_text(s.passivity_ticks, ""), count_text(s.tank_ticks, ""), s.min_tank_J);
 }
 
-// "median / 99th percentile / maximum µs".
+// Formats "median / 99th percentile / maximum µs".
 std::string Text(const DurationFigures& d) {
   return fmt::format("{:.0f} / {:.0f} / {:.0f} µs", d.p50_s * 1e6, d.p99_s * 1e6, d.max_s * 1e6);
 }
@@ -99,13 +99,14 @@ std::string EngineProcessText(const EngineProcessResult& p) {
   return text;
 }
 
-// "a hemispherical reamer 50 mm", or "the plan's tools of 44, 46, 48, 50 mm".
+// Names the tools: "a hemispherical reamer 50 mm", or "the plan's tools of 44, 46, 48, 50 mm".
 std::string ToolsText(const RunSummary& s) {
   if (s.diameters_mm.size() < 2) return "a " + s.tool;
   return fmt::format("the plan's tools of {:g} mm", fmt::join(s.diameters_mm, ", "));
 }
 
-// Makes "interrupted by SIGHUP; arm: …". Leaves out why a run never began: the verdict says it.
+// Makes "interrupted by SIGHUP; arm: …". The reason why a run never began is left out, since the verdict
+// gives it.
 std::string EndedText(const RunSummary& s) {
   return s.ended.substr(0, s.ended.find(": ")) + (s.ended_by.empty() ? "" : " by " + s.ended_by) +
          (s.arm_stop.empty() ? "" : "; arm: " + s.arm_stop);

@@ -18,14 +18,14 @@
 namespace osteon::session {
 namespace {
 
-// The hand does not feel a limit that acts for a shorter time, a few ticks.
+// A limit that acts for a shorter time, a few ticks, cannot be felt by the hand.
 constexpr double kMinFelt_s = 0.02;
 // Fractions of the rendering time in which an old model, or an old reading of the sensor, reduces the force.
-// Up to the first, the cause is the occasional delay of a shared machine; beyond the second, the force counts
-// as mostly missing.
+// Up to kWarningStaleShare, the cause is taken as the occasional delay of a shared machine; above
+// kBadStaleShare, the run is bad because its force was often missing.
 constexpr double kWarningStaleShare = 0.02, kBadStaleShare = 0.2;
 
-// Judges how the run ended: by a fault, before its time, or after recoveries.
+// Judges how the run ended: by a fault, too early, or after recoveries.
 void JudgeEnd(const RunSummary& s, Verdict& verdict) {
   if (!s.faults.empty()) {
     std::string names;

@@ -13,8 +13,8 @@ struct RunSummary;
 
 /// The verdict on a result, for users and programs.
 enum class VerdictLevel {
-  kGood,     ///< nothing to look at
-  kWarning,  ///< ended as it should, but with reductions; the reasons name them
+  kGood,     ///< nothing to criticise
+  kWarning,  ///< ended as it should, but with the deficiencies named in the reasons
   kBad,      ///< a fault, no result, or a result that does not show what it should
 };
 
@@ -26,7 +26,7 @@ struct Verdict {
   VerdictLevel level{VerdictLevel::kGood};
   std::vector<std::string> reasons;  ///< sentences, in the order in which they were found; empty if good
 
-  /// Makes the level at least this bad, and adds the reason.
+  /// Raises the level to `at_least` if it is lower, and adds the reason.
   void Add(VerdictLevel at_least, std::string reason);
 
   [[nodiscard]] report::ReportVerdict ForReport() const {
@@ -44,8 +44,8 @@ void PrintVerdict(const Verdict& verdict, int key_width);
 /// Makes the JSON text of a command's result: `verdict: {level, reasons}` first, then the fields of `result`.
 [[nodiscard]] std::string ResultText(const Verdict& verdict, const nlohmann::ordered_json& result);
 
-/// Judges a run by its figures: how it ended, its faults, how long a limit or an old model kept force from
-/// the hand, and losses of the recording.
+/// Judges a run by its figures: how it ended, its faults, how long limits and old models reduced the force,
+/// and gaps in the recording.
 [[nodiscard]] Verdict JudgeRun(const RunSummary& summary);
 
 }  // namespace osteon::session

@@ -16,9 +16,9 @@ using surface::BrickLayout;
 using surface::CarvedField;
 using surface::Vec3;
 
-// Smallest range of the colours: smaller differences are errors of the fields.
+// Smallest range of the colour scale, because smaller differences are errors of the distance fields.
 constexpr double kMinRange_mm = 0.05;
-constexpr std::size_t kMaxChanged = 1 << 16;  // with more changed bricks, all bricks count as changed
+constexpr std::size_t kMaxChanged = 1 << 16;  // if more bricks have changed, all count as changed
 
 bool IsLarger(const LargestDifference& a, const LargestDifference& b) {
   return std::abs(a.depth_mm) > std::abs(b.depth_mm);
@@ -72,7 +72,7 @@ void BoneDifference::TellLargest(std::size_t side, LargestDifference largest) {
 std::string BoneDifference::Json() const {
   const std::lock_guard lock(mutex_);
   const LargestDifference& largest = IsLarger(largest_[1], largest_[0]) ? largest_[1] : largest_[0];
-  double limit_mm = 0.0;  // distances are known up to the band of the coarser field
+  double limit_mm = 0.0;  // width of the band of known distances in the coarser field
   for (const News& told : told_)
     if (told.bone.solid)
       limit_mm =
@@ -100,8 +100,8 @@ void DifferenceMap::Restart() {
   restarted_ = true;
 }
 
-// Adds the shown bricks whose distance to the other bone may have changed: those that lie within the band of
-// the distance field (kBandVoxels) around a changed brick of the other bone.
+// Adds the shown bricks whose distance to the other bone may have changed. These are the bricks within the
+// distance field's band (kBandVoxels) around a changed brick of the other bone.
 void DifferenceMap::AddNear(const CarvedField& field, const BoneDifference::News& news,
                             std::set<BrickIndex>& bricks) const {
   if (news.all) {
@@ -145,7 +145,8 @@ void DifferenceMap::Colour(const CarvedField& field, surface::SurfaceChunk& chun
     if (!known) continue;
     const float distance_mm = surface::CarvedDistance(other_.solid->layout(), other_.solid->distances(),
                                                       *other_.swept, vertex.p_mm);
-    // a positive distance: the vertex is outside the other bone, so the other one is cut deeper here
+    // if distance_mm is positive, the vertex lies outside the other bone, so that the other bone is cut
+    // deeper here
     const float depth_mm = side_ == 0 ? distance_mm : -distance_mm;
     if (const LargestDifference here{depth_mm, vertex.p_mm}; IsLarger(here, largest)) largest = here;
     const long steps = std::lround(depth_mm / step_mm);

@@ -17,19 +17,20 @@ namespace osteon::session {
 
 /// The largest difference of two bones, and its place.
 struct LargestDifference {
-  double depth_mm{0.0};  ///< positive where the second recording's bone is cut deeper
-  surface::Vec3 p_mm{};  ///< in the bone's frame G
+  double depth_mm{0.0};  ///< positive: the second recording's bone is cut deeper
+  surface::Vec3 p_mm{};  ///< the place, in the bone's frame G
 };
 
-/// Exchanges the bones of a comparison's two sides, so that each side can show a map of the difference.
+/// Exchanges the carved bones of two recordings that are shown side by side (sides 0 and 1), so that each
+/// side can show a map of the difference.
 ///
 ///     side 0 carves ──Tell──▶ newest bone of each ──Take──▶ side 1 colours its surface, and the reverse
 ///
 /// Any thread. Nothing is copied while the map is off.
 class BoneDifference {
  public:
-  /// While the map is on, a vertex's material is kZero plus the difference in steps. The limit of the fields,
-  /// 3 voxels, is kZero - 1 steps.
+  /// While the map is on, a vertex's material index is kZero plus the difference in steps. The largest
+  /// distance that the fields know, 3 voxels, is kZero - 1 steps.
   static constexpr int kZero = 64;
   [[nodiscard]] static float StepFor(float voxel_mm) {
     return surface::kBandVoxels * voxel_mm / static_cast<float>(kZero - 1);
@@ -39,7 +40,7 @@ class BoneDifference {
   void Show(bool on) { on_.store(on); }
   [[nodiscard]] bool on() const { return on_.load(); }
 
-  /// The news of one side for the other.
+  /// The changes of one side's bone, for the other side.
   struct News {
     surface::CarvedSnapshot bone;
     std::vector<surface::BrickIndex> changed{};  ///< bricks of that side's grid, since the last Take
@@ -50,7 +51,8 @@ class BoneDifference {
   /// ignored if `all`
   void Tell(std::size_t side, surface::CarvedSnapshot bone, std::span<const surface::BrickIndex> changed,
             bool all);
-  /// Returns the other side's news since the last call. @param side  0 or 1: the side that asks
+  /// Returns the changes of the other side's bone since the last call. @param side  0 or 1: the side that
+  /// asks
   [[nodiscard]] News Take(std::size_t side);
   /// Stores the largest difference that a side has found.
   void TellLargest(std::size_t side, LargestDifference largest);
@@ -63,14 +65,14 @@ class BoneDifference {
  private:
   std::atomic<bool> on_{false};
   mutable std::mutex mutex_;  // guards the following members
-  std::array<News, 2> told_;  // [side]: news of that side, for the other one
+  std::array<News, 2> told_;  // told_[side]: changes of that side's bone, for the other side
   std::array<LargestDifference, 2> largest_;
 };
 
-/// One side's map: colours its chunks by the distance to the other side's bone. One thread.
+/// One side's map: colours its chunks by the distance to the other side's bone. Call it from one thread only.
 class DifferenceMap {
  public:
-  /// @param shared  outlives this  @param side  0 or 1
+  /// @param shared  must outlive this object  @param side  0 or 1
   DifferenceMap(BoneDifference& shared, std::size_t side) : shared_(shared), side_(side) {}
 
   /// Follows BoneDifference::Show. @returns whether the map was switched on or off since the last call; every
@@ -78,7 +80,7 @@ class DifferenceMap {
   [[nodiscard]] bool Switched();
   [[nodiscard]] bool on() const { return on_; }
 
-  /// Forgets what was shown, since the side's bone has jumped to another time.
+  /// Forgets what was shown. Call it after the side's bone has jumped to another time.
   void Restart();
   /// Tells the other side which bricks have changed on this side, and asks which have changed on the other
   /// one.
@@ -93,7 +95,7 @@ class DifferenceMap {
   void TellLargest();
 
  private:
-  // Adds to `bricks` the shown bricks whose colour may change by the other side's news.
+  // Adds to `bricks` the shown bricks whose colour may change because the other side's bone has changed.
   void AddNear(const surface::CarvedField& field, const BoneDifference::News& news,
                std::set<surface::BrickIndex>& bricks) const;
 

@@ -13,8 +13,8 @@ CarvedBone::CarvedBone(std::shared_ptr<const surface::SolidField> solid,
   cut_->CarveEarlier(field);
 }
 
-// Begins a new path if the tool has changed: nothing is swept between the last place of one tool and the
-// first place of the next.
+// Begins a new path if the tool has changed: no bone is swept between the last place of one tool and the
+// first place of the next tool.
 void CarvedBone::Use(std::size_t tool) {
   if (tool == tool_ || tool >= cut_->tools.size()) return;
   Gather();

@@ -15,12 +15,12 @@
 
 namespace osteon::session {
 
-/// The state of a recording's bone at a time, which is carved on message by message. The capsules that the
-/// tool has swept are gathered and carved together: many capsules cost little more than a few, since most of
-/// them change no node of the field's grid, and the field is bit for bit as if each were carved alone.
+/// The state of a recording's bone at a time. Carving continues from it, message by message. The capsules
+/// that the tool has swept are gathered and carved together. This is cheap, because most capsules change no
+/// node of the field's grid. The field is bit for bit the same as if each capsule were carved alone.
 struct CarvedBone {
   surface::CarvedField field;
-  surface::ToolWays ways;        ///< path of the tool in use; makes the capsules that it sweeps
+  surface::ToolWays ways;        ///< path of the tool in use, from which the swept capsules are made
   bool turns{false};             ///< whether the spindle turned in the last tick
   double at_s{0.0};              ///< time of the last tick on the time line
   rt::Nanoseconds last_tick{0};  ///< stamp of the last tick; 0: there was none yet
@@ -30,8 +30,8 @@ struct CarvedBone {
 
   /// Takes the message that the time line has read. Carve applies it to `field`.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
-  /// Carves the messages taken so far, up to the last complete batch: ToolWays turns the path of several
-  /// frames at once into capsules, and the frames of a batch that is not complete wait.
+  /// Carves the messages taken so far, up to the last complete batch: ToolWays makes capsules from a batch of
+  /// several frames at once. The frames of an incomplete batch wait.
   void Carve();
   /// Becomes a copy of another state of the same recording's bone. Only the bricks (blocks of the field's
   /// grid) that differ are marked as changed, so that the surface is made anew there alone.
@@ -39,10 +39,10 @@ struct CarvedBone {
   /// Carves the messages taken so far, including the batch that is not complete: the exact state at a time.
   void CarveAll();
 
-  static constexpr std::size_t kMaxGathered = 4096;  ///< number of capsules: some ten seconds of reaming
+  static constexpr std::size_t kMaxGathered = 4096;  ///< most gathered capsules: some ten seconds of reaming
 
  private:
-  void Use(std::size_t tool);  // from now on, the path is that of this tool
+  void Use(std::size_t tool);  // sets the tool for the following path
   void Gather();               // moves the swept capsules from `ways` to gathered_
 
   std::shared_ptr<const RecordedCut> cut_;
@@ -51,7 +51,7 @@ struct CarvedBone {
 };
 
 /// States of the carved bone at times all along a recording, made in the background. The bone at any time is
-/// then found by carving a few seconds on from one of them.
+/// then found by carving a few seconds on from the last state before that time.
 ///
 ///     0 ──────key──────key──────key─ ─ ─ ─▶ end      at most kMaxKeys, and kMaxBytes; else every second one is
 ///                        └──carve on──▶ wanted        dropped, and the next ones are twice as far apart
@@ -59,7 +59,7 @@ class CarvedKeys {
  public:
   static constexpr std::size_t kMaxKeys = 512;                      ///< number of states
   static constexpr std::size_t kMaxBytes = std::size_t{256} << 20;  ///< memory of all states: 256 MiB
-  static constexpr double kFirstStep_s = 5.0;                       ///< time between states, at first
+  static constexpr double kFirstStep_s = 5.0;                       ///< initial time between states
 
   /// @param begin  the bone as it was when the recording began
   CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin);
@@ -77,7 +77,7 @@ class CarvedKeys {
   // Keeps a state; if there are too many or too large ones, drops every second one and doubles step_s_.
   void Keep(const CarvedBone& bone);
 
-  double step_s_{kFirstStep_s};  // used only by the thread
+  double step_s_{kFirstStep_s};  // time between states; used only by the thread
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<const CarvedBone>> keys_;  // guarded by mutex_, in the order of their times
   std::atomic<bool> stop_{false}, complete_{false};

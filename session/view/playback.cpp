@@ -11,7 +11,7 @@ namespace osteon::session {
 namespace {
 
 constexpr std::chrono::milliseconds kStep{16};  // time between two steps of the playback
-constexpr double kAtOnce_s = 0.3;               // a Seek first shows only this time before the wanted one
+constexpr double kAtOnce_s = 0.3;               // time before the wanted one that a Seek shows first
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void Playback::Run() {
       speed = state_.playing ? state_.speed : 0.0;
     }
     const auto now = Clock::now();
-    // at most 0.1 s: after a stall the playback does not catch up
+    // at most 0.1 s, so that the playback does not catch up after a stall
     const double elapsed_s = std::min(0.1, std::chrono::duration<double>(now - before).count());
     before = now;
     if (!jump && speed == 0.0) continue;
@@ -108,8 +108,8 @@ void Playback::Run() {
   }
 }
 
-// Shows the new time at once, because dragging the time line asks for many times in a row; then the whole
-// time that the charts show.
+// Shows first the last kAtOnce_s before the new time, which is quick: dragging the time line requests many
+// times in a row. Then shows kBefore_s, the whole time span of the charts.
 Playback::PassedOrError Playback::JumpTo(double at_s) {
   PassedOrError place = Show(at_s, kAtOnce_s, false);
   if (!place || at_s <= kAtOnce_s) return place;
@@ -117,13 +117,13 @@ Playback::PassedOrError Playback::JumpTo(double at_s) {
     const std::lock_guard lock(mutex_);
     if (!seeks_) state_.at_s = std::min(at_s, state_.duration_s);  // the bone need not wait for the charts
   }
-  // if a chunk before the new time is damaged, the charts lack their past, but the new time is shown
+  // if an earlier chunk is damaged, Show fails: then show only the time around at_s, without the charts' past
   if (Show(at_s, kBefore_s, true)) return place;
   return Show(at_s, kAtOnce_s, false);
 }
 
 // Replaces the feed's content by the messages from at_s - before_s to at_s.
-// @param leaves  whether another Seek ends this one early; the feed then keeps its content
+// @param leaves true: another Seek ends this one early, and the feed then keeps its content
 Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves) {
   console::LiveFeed new_feed(feed_.kept());
   (void)timeline_.Seek(std::max(0.0, at_s - before_s));
@@ -134,7 +134,8 @@ Playback::PassedOrError Playback::Show(double at_s, double before_s, bool leaves
   return passed;
 }
 
-// Passes the time line's next messages to a feed, up to a time. @param leaves  as in Show
+// Passes the time line's next messages to a feed, up to a time. @param leaves true: another Seek ends this
+// early
 Playback::PassedOrError Playback::PassUntil(double at_s, console::LiveFeed& feed, bool leaves) {
   const io::RecordingStream& message = timeline_.message();
   while (true) {

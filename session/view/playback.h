@@ -30,36 +30,38 @@ struct PlaybackState {
 class Playback {
  public:
   static constexpr double kMinSpeed = 0.1, kMaxSpeed = 20.0;
-  /// Time that is shown before the present one: the half minute of a page's strip charts, and a chunk.
+  /// Time that is loaded before the present time: the half minute of a page's strip charts, and a chunk of
+  /// the recording.
   static constexpr double kBefore_s = 30.5;
-  /// Number of windows that the feed should keep, so that a page gets all of kBefore_s.
+  /// Number of windows (batches of messages) that the feed must keep so that a page gets all of kBefore_s.
   static constexpr std::uint64_t kFeedWindows = 1000;
 
-  /// @param feed  outlives this
+  /// @param feed  must outlive this object
   Playback(RecordingTimeline timeline, console::LiveFeed& feed);
   ~Playback();
   Playback(const Playback&) = delete;
   Playback& operator=(const Playback&) = delete;
 
-  /// Plays on; at the end, from the beginning.
+  /// Continues to play; at the end of the recording, plays from the beginning.
   void Play();
   void Halt();
   /// Jumps to a time, clamped to the recording; a time that is not finite is ignored.
   void Seek(double at_s);
-  /// Moves to a time close to the present one without a break, while the recording plays: plays on to a later
-  /// time at once, or waits at an earlier time.
+  /// Moves to a time close to the present one while the recording plays, without a break. If at_s is later,
+  /// plays up to it at once; if it is earlier, waits until the time has come.
   void Align(double at_s);
   /// Sets the speed, clamped to kMinSpeed … kMaxSpeed; a value that is not finite is ignored.
   void SetSpeed(double speed);
   [[nodiscard]] PlaybackState state() const;
 
  private:
-  // Why passing messages on ended: at the wanted time, at the recording's end, or because another Seek came.
+  // Why passing on messages has ended: the wanted time was reached, the recording ended, or another Seek
+  // came.
   enum class Passed : std::uint8_t { kReached, kEnd, kLeft };
   using PassedOrError = tl::expected<Passed, std::string>;
 
   void Run();
-  [[nodiscard]] bool Seeks() const;  // whether a Seek, or the end, waits for the thread
+  [[nodiscard]] bool Seeks() const;  // whether the thread has a Seek to do, or is to end
   [[nodiscard]] PassedOrError PassUntil(double at_s, console::LiveFeed& feed, bool leaves);
   [[nodiscard]] PassedOrError Show(double at_s, double before_s, bool leaves);
   [[nodiscard]] PassedOrError JumpTo(double at_s);
@@ -73,7 +75,7 @@ class Playback {
   PlaybackState state_;
   double seek_s_{0.0};             // time asked for by Seek
   std::optional<double> align_s_;  // time asked for by Align
-  bool seeks_{true};               // a Seek is to be done; at first, one to the beginning
+  bool seeks_{true};               // a Seek is to be done; initially a Seek to the beginning
   bool stop_{false};
   std::thread thread_;
 };

@@ -22,13 +22,13 @@ namespace osteon::session {
 /// The facts that carving a recording's bone needs beside the recording's messages: every tool, what the
 /// session's earlier recordings cut, and which passes the session took back later.
 struct RecordedCut {
-  std::vector<simulation::Tool> tools;  ///< by TickInput::tool_index; at least one
+  std::vector<simulation::Tool> tools;  ///< the tools, by TickInput::tool_index; at least one
   Pose X_WG{Pose::Identity()};
   std::vector<surface::WayTimes> taken_back{};  ///< times of the passes that were taken back later
   std::optional<SessionCut>
-      earlier{};  ///< cut by the session's recordings before this one; empty: this is the first
+      earlier{};  ///< the cut of the session's earlier recordings; empty: this is the first
 
-  /// Whether the cut of a frame counts: its pass was not taken back later.
+  /// Whether a frame's cut is to be carved: its pass was not taken back later.
   /// @param pose_stamp  the frame's ContactModel::pose_stamp
   [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
   /// Carves the bone that was cut before the recording begins.
@@ -37,7 +37,7 @@ struct RecordedCut {
 
 /// Reads a RecordedCut from a recording and the session.json beside it. Without a session the cell's tool is
 /// the only tool. The error names the file and the reason.
-/// @param info, setup  the recording's
+/// @param info, setup  session information and cell of the recording
 [[nodiscard]] tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
     const std::filesystem::path& recording, const io::SessionInfo& info, const CellSetup& setup);
 

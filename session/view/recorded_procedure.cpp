@@ -50,15 +50,15 @@ std::string RecordedProcedure::Json(double at_s) const {
 }
 
 std::string RecordedProcedure::JsonAt(rt::Nanoseconds stamp) const {
-  SessionFile session_until;  // the session's file as it was at the stamp, as far as the panel needs it
+  SessionFile session_until;  // the part of the session's file that the panel needs, as it was at the stamp
   session_until.cup_X_GT = session_.cup_X_GT;
   double gain = 0.0;
-  bool is_earlier = true;  // while the segments belong to earlier recordings of the session
+  bool is_earlier = true;  // true while the segments belong to earlier recordings
   for (std::size_t i = 0; i < session_.segments.size(); ++i) {
     const SessionSegment& segment = session_.segments[i];
     const bool is_own = segment.recording == name_;
     if (is_own) is_earlier = false;
-    if (!is_own && !is_earlier) break;  // of a later recording
+    if (!is_own && !is_earlier) break;  // this segment belongs to a later recording
     if (is_own && segment.begin <= stamp) gain = segment.guidance_gain;
     for (const SessionPass& pass : session_.passes)
       if (pass.segment == static_cast<int>(i) && (!is_own || pass.end <= stamp))

@@ -16,11 +16,12 @@
 namespace osteon::session {
 
 /// Makes the messages that show a procedure on the page, for each time of a recording of its session: the
-/// plan, and the state of the session. The recording is read once in the background, since the panel needs
-/// all frames from the tool's first cut on.
+/// plan, and the state of the session. The recording is read once in the background, because the panel's
+/// figures depend on all frames since the first cut of the tool in use.
 class RecordedProcedure {
  public:
-  /// Starts reading. @param info  from the recording  @param X_WG  the bone's pose in the world
+  /// Starts reading. @param info session information of the recording @param X_WG pose of the bone in the
+  /// world
   /// @returns null if the recording belongs to no session, or the plan is not beside it
   [[nodiscard]] static std::unique_ptr<RecordedProcedure> Open(const std::filesystem::path& recording,
                                                                const io::SessionInfo& info, const Pose& X_WG);
@@ -30,7 +31,7 @@ class RecordedProcedure {
 
   /// The message with the plan (ProcedurePanel::PlanJson). Any thread.
   [[nodiscard]] const std::string& PlanJson() const { return panel_.PlanJson(); }
-  /// Returns the message for a time of the recording [s]; for a time that was not read yet, the newest
+  /// Returns the message for a time of the recording [s]; if that time was not read yet, returns the newest
   /// message.
   [[nodiscard]] std::string Json(double at_s) const;
 
@@ -39,7 +40,7 @@ class RecordedProcedure {
 
   RecordedProcedure(const std::filesystem::path& recording, SessionFile session,
                     const procedure::SurgicalPlan& plan, const Pose& X_WG);
-  void Run(const std::filesystem::path& recording);  // the thread: reads all, fills steps_
+  void Run(const std::filesystem::path& recording);  // the thread reads all and fills steps_
   // Makes the message of the session as it was at a stamp: with the passes that had ended, and the guidance's
   // gain.
   [[nodiscard]] std::string JsonAt(rt::Nanoseconds stamp) const;

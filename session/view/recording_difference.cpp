@@ -16,10 +16,10 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages while it reads
+constexpr std::chrono::seconds kNewsPeriod{1};  // time between two messages during reading
 constexpr double kMinStep_s = 0.01;             // smallest width of a bin of the time line
 constexpr double kNoTick = std::numeric_limits<double>::quiet_NaN();  // value of a bin without ticks
-constexpr double kSame_s = 0.5e-3;  // ticks count as simultaneous within this: half of the shortest period
+constexpr double kSame_s = 0.5e-3;  // ticks closer than half of the shortest period are simultaneous
 
 // One value per bin of the time line. nlohmann writes NaN as null.
 using Column = std::vector<double>;
@@ -29,7 +29,7 @@ void KeepMax(double& kept, double value) {
   if (std::isfinite(value) && !(kept >= value)) kept = value;
 }
 
-// To four decimals.
+// Rounds to four decimals.
 nlohmann::json Rounded(const Column& column) {
   nlohmann::json out = nlohmann::json::array();
   for (const double value : column) out.push_back(std::round(1e4 * value) / 1e4);
@@ -48,10 +48,10 @@ struct LargestAt {
   [[nodiscard]] nlohmann::json ToJson() const { return {value, at_s}; }
 };
 
-// One recording, read up to one tick beyond the tick that is compared.
+// One of the two recordings, read up to one tick beyond the tick that is compared.
 struct Reader {
   RecordingTimeline timeline;
-  std::optional<control::TickRecord> tick{}, next{};  // the newest tick passed, and the tick after it
+  std::optional<control::TickRecord> tick{}, next{};  // the tick that is compared, and the tick after it
   double next_s{0.0};
   // figures of the newest frame before `tick`, and before `next`
   double removed_mm3{0.0}, next_removed_mm3{0.0}, depth_mm{kNoTick}, next_depth_mm{kNoTick};
@@ -80,7 +80,8 @@ struct Reader {
   }
 };
 
-// The result so far: columns of the two recordings and of their differences, and the largest differences.
+// The result so far: columns (values per bin of the time line) of the two recordings and of their
+// differences, and the largest differences.
 struct Compared {
   double step_s{kMinStep_s};
   std::array<Column, 2> force_N, depth_mm, removed_mm3;
@@ -133,7 +134,7 @@ TickDifference Compare(const control::TickRecord& first, const control::TickReco
   return {
       .force_N = (Vector3(second.F_coupling_T_W.f) - Vector3(first.F_coupling_T_W.f)).norm(),
       .apart_mm = 1e3 * (X_2.translation() - X_1.translation()).norm(),
-      // angle by its sine and cosine: the sine is accurate for nearly equal orientations
+      // compute the angle from its sine and cosine: the sine is accurate for nearly equal orientations
       .turn_deg =
           180.0 / std::numbers::pi *
           std::atan2(
@@ -160,7 +161,7 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
   std::vector<Reader> readers;
   for (const std::filesystem::path& path : recordings) {
     auto timeline = RecordingTimeline::Open(path);
-    if (!timeline) {  // the file was removed meanwhile: nothing more comes
+    if (!timeline) {  // the file was removed in the meantime: stop reading
       std::string json = Compared(0.0).ToJson(true);
       const std::lock_guard lock(mutex_);
       json_ = std::move(json);
@@ -178,7 +179,7 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
   auto told = std::chrono::steady_clock::now();
   for (Reader& reader : readers) reader.Advance();
   while (!stop_.load() && !(readers[0].ended && readers[1].ended)) {
-    // the recording whose next tick is earlier moves on; both where the times are the same
+    // advance the recording whose next tick is earlier; advance both if the times are the same
     const std::array<double, 2> next_s{readers[0].ended ? INFINITY : readers[0].next_s,
                                        readers[1].ended ? INFINITY : readers[1].next_s};
     const double time_s = std::min(next_s[0], next_s[1]);
@@ -191,7 +192,7 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
       compared.depth_mm[i][bin] = readers[i].depth_mm;
       compared.removed_mm3[i][bin] = readers[i].removed_mm3;
     }
-    // beyond the end of the shorter recording there is nothing to compare
+    // stop at the end of the shorter recording: there is nothing more to compare
     const bool both_go_on = std::isfinite(next_s[0]) && std::isfinite(next_s[1]);
     if (both_go_on && readers[0].tick && readers[1].tick) {
       const TickDifference difference = Compare(*readers[0].tick, *readers[1].tick);

@@ -13,9 +13,9 @@
 
 namespace osteon::session {
 
-/// The differences of two runs at the same time since their session's start.
+/// The differences of two runs at the same time, counted from the start of each session.
 struct TickDifference {
-  double force_N{0.0};   ///< size of the difference of the rendered forces
+  double force_N{0.0};   ///< magnitude of the difference of the rendered forces
   double apart_mm{0.0};  ///< distance between the origins of the commanded tools
   double turn_deg{0.0};  ///< angle between the orientations of the commanded tools
 };

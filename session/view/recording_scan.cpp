@@ -14,9 +14,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages while it reads
+constexpr std::chrono::seconds kScanNewsPeriod{1};  // time between two messages during reading
 
-// The events and forces read so far.
+// The events and the largest forces read so far.
 struct Seen {
   nlohmann::json events = nlohmann::json::array();
   std::vector<double> force_N;  // the largest force of each second
@@ -55,7 +55,7 @@ void RecordingScan::Run(const std::filesystem::path& path) {
     json_ = std::move(json);
   };
   auto timeline = RecordingTimeline::Open(path);
-  if (!timeline) return tell(true);  // the file was removed meanwhile: nothing more comes
+  if (!timeline) return tell(true);  // the file was removed in the meantime: stop reading
   (void)timeline->Seek(0.0);
   while (!stop_.load()) {
     const auto topic = timeline->Next();

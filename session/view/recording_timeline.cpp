@@ -8,13 +8,13 @@ namespace osteon::session {
 tl::expected<RecordingTimeline, std::string> RecordingTimeline::Open(const std::filesystem::path& path) {
   auto stream = io::RecordingStream::Open(path);
   if (!stream) return tl::unexpected(stream.error());
-  // the first message is the session
+  // the first message is the session information
   const auto first = stream->Next();
   if (!first) return tl::unexpected(first.error());
   if (*first != io::RecordedTopic::kSession)
     return tl::unexpected(path.string() + ": found another first message, accepted osteon.Session");
   std::vector<io::McapChunkPlace> chunks = stream->FindChunks();
-  // chunks without messages have no times
+  // remove chunks without messages, which have no times
   std::erase_if(chunks, [](const io::McapChunkPlace& chunk) { return chunk.last_ns < chunk.first_ns; });
   if (chunks.size() < 2) return tl::unexpected(path.string() + ": found no tick, accepted at least 1");
   return RecordingTimeline(std::move(*stream), std::move(chunks));
@@ -31,7 +31,7 @@ RecordingTimeline::RecordingTimeline(io::RecordingStream stream, std::vector<io:
 double RecordingTimeline::Seek(double at_s) {
   const auto wanted = static_cast<std::uint64_t>(start_) +
                       static_cast<std::uint64_t>(1e9 * std::clamp(at_s, 0.0, duration_s_));
-  // the last chunk that begins at or before the time
+  // find the last chunk that begins at or before the time
   auto chunk = std::ranges::upper_bound(chunks_, wanted, {}, &io::McapChunkPlace::first_ns);
   if (chunk != chunks_.begin()) --chunk;
   stream_.SeekTo(chunk->offset);

@@ -11,22 +11,22 @@
 
 namespace osteon::session {
 
-/// A recording as a time line. Opening it reads only the heads of its chunks, so that an hour opens as fast
-/// as a second. Reaching any time unpacks one chunk.
+/// A recording as a time line. Opening reads only the headers of the chunks, so a recording of an hour opens
+/// as fast as one of a second. Going to any time unpacks one chunk.
 class RecordingTimeline {
  public:
-  /// The error names the file and the reason: no recording, no tick in it.
+  /// The error names the file and the reason: the file is no recording, or has no tick.
   [[nodiscard]] static tl::expected<RecordingTimeline, std::string> Open(const std::filesystem::path& path);
 
   [[nodiscard]] const io::SessionInfo& session() const { return stream_.session; }
   [[nodiscard]] double duration_s() const { return duration_s_; }
-  /// Log time of the time line's 0.
+  /// Log stamp at which the time line is 0.
   [[nodiscard]] rt::Nanoseconds start() const { return start_; }
 
   /// Goes to the beginning of the chunk that contains the time `at_s` (clamped to the recording).
   /// @returns the time of that beginning [s]
   double Seek(double at_s);
-  /// Reads the next message, as RecordingStream::Next does.
+  /// Reads the next message (RecordingStream::Next).
   [[nodiscard]] tl::expected<io::RecordedTopic, std::string> Next() { return stream_.Next(); }
   /// The stream with the message that was read last.
   [[nodiscard]] const io::RecordingStream& message() const { return stream_; }
@@ -37,7 +37,7 @@ class RecordingTimeline {
   RecordingTimeline(io::RecordingStream stream, std::vector<io::McapChunkPlace> chunks);
 
   io::RecordingStream stream_;
-  std::vector<io::McapChunkPlace> chunks_;  // in the order of their times
+  std::vector<io::McapChunkPlace> chunks_;  // the chunks by time
   rt::Nanoseconds start_{0};
   double duration_s_{0.0};
 };

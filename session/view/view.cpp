@@ -30,12 +30,13 @@
 namespace osteon::session {
 namespace {
 
-constexpr std::chrono::milliseconds kEndPeriod{50};  // between two checks for Ctrl-C
-constexpr int kChecksPerAlign = 20;  // two playbacks are brought together once in so many checks for Ctrl-C
+constexpr std::chrono::milliseconds kEndPeriod{50};  // time between two checks for Ctrl-C
+constexpr int kChecksPerAlign = 20;     // after this many checks, the times of two playbacks are aligned
 constexpr double kApartPlaying_s{0.1};  // a smaller time difference of two playbacks is not visible
 constexpr double kApartFar_s{1.0};      // a larger time difference is removed by a Seek, with a break
 
-// The message that tells the page the playback's state. @param start  log time of the time line's 0
+// Makes the message with the playback's state for the page. @param start  log stamp at which the time line is
+// 0
 std::string StateJson(const PlaybackState& state, rt::Nanoseconds start) {
   return nlohmann::json{{"type", "playback"},
                         {"at_s", state.at_s},
@@ -59,7 +60,7 @@ void Move(Playback& playback, const console::ViewRequest& request) {
       return playback.Seek(request.value);
     case Kind::kSpeed:
       return playback.SetSpeed(request.value);
-    case Kind::kMap:  // concerns both bones, no single playback
+    case Kind::kMap:  // the request concerns both bones, not a playback
       return;
   }
 }
@@ -91,13 +92,13 @@ struct ShownRecording {
         cut(std::move(recorded_cut)),
         procedure(std::move(plan)) {}
 
-  /// The page's first message. @param length_s  of the page's time line
+  /// Makes the page's first message. @param length_s  length of the page's time line
   [[nodiscard]] std::string Hello(double length_s, const std::string& name) const {
     return ConsoleScene(setup, "view", length_s, name, cut->tools);
   }
 };
 
-// Returns a file's name; with its folder's name if the other file has the same name.
+// Returns a file's name, preceded by the name of its folder if the other file has the same name.
 std::string NameBeside(const std::filesystem::path& file, const std::filesystem::path& other) {
   if (file.filename() != other.filename()) return file.filename().string();
   const std::filesystem::path whole = std::filesystem::absolute(file);
@@ -121,8 +122,8 @@ tl::expected<std::unique_ptr<ShownRecording>, std::string> OpenShown(const std::
                                           std::move(procedure), std::move(map));
 }
 
-// Brings the other playback to the first one's time, since each keeps its own time and does not catch up
-// after a stall.
+// Aligns the other playback's time with the first one's. This is needed because each playback keeps its own
+// time and does not catch up after a stall.
 void BringTogether(const Playback& first, Playback& other) {
   const PlaybackState leader = first.state(), follower = other.state();
   const double wanted_s = std::min(leader.at_s, follower.duration_s);
@@ -136,7 +137,7 @@ void BringTogether(const Playback& first, Playback& other) {
 }  // namespace
 
 int RunView(const ViewOptions& options) {
-  // the page's time line is that of the longest recording
+  // the page's time line is as long as the longest recording
   const bool two = options.recordings.size() == 2;
   BoneDifference bones;
   std::vector<std::unique_ptr<ShownRecording>> shown;
@@ -150,10 +151,10 @@ int RunView(const ViewOptions& options) {
   const double duration_s = longest.duration_s;
 
   RecordingScan scan(longest.file);
-  // the playback's state, with the error of either recording
+  // the state of the longer recording's playback, with the error of either recording
   const auto state = [&] {
     PlaybackState page_state = longest.playback.state();
-    for (const auto& each : shown)  // the shorter one may be the damaged one
+    for (const auto& each : shown)  // look at both: either recording may be damaged
       if (page_state.error.empty()) page_state.error = each->playback.state().error;
     return page_state;
   };
@@ -189,7 +190,7 @@ int RunView(const ViewOptions& options) {
              if (request.kind == console::ViewRequest::Kind::kMap) return bones.Show(request.value != 0.0);
              for (const auto& each : shown) Move(each->playback, request);
              if (!two || request.kind != console::ViewRequest::Kind::kHalt) return;
-             const double halted_s = longest.playback.state().at_s;  // after a halt, both show the same time
+             const double halted_s = longest.playback.state().at_s;  // show the same time after a halt
              for (const auto& each : shown) each->playback.Seek(halted_s);
            },
        .notes = notes,

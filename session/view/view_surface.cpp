@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPeriod{40};  // how often the wanted time is checked
-constexpr std::chrono::milliseconds kSlice{250};  // longest time of carving until the bone is shown again
+constexpr std::chrono::milliseconds kSlice{250};  // longest time of carving before the surface is updated
 constexpr int kMessagesPerLook = 500;             // number of messages between two looks at the clock
 
 }  // namespace
@@ -66,7 +66,7 @@ void ViewSurface::Begin(const CarvedBone& from) {
     if (auto timeline = RecordingTimeline::Open(recording_))
       timeline_ = std::make_unique<RecordingTimeline>(std::move(*timeline));
   ended_ = !timeline_ || !GoOnFrom(from, *timeline_);
-  if (bone_) return bone_->JumpTo(from);  // bricks that are the same need not be sent again
+  if (bone_) return bone_->JumpTo(from);  // equal bricks are not sent again
   bone_.emplace(from);
   BeginFeed();
 }

@@ -20,12 +20,12 @@
 namespace osteon::session {
 
 /// Shows the carved bone of a recording at the time that a playback has reached, in a thread of its own. To
-/// get there, it carves on from the bone that is shown, or from the last key state (CarvedKeys) before that
-/// time, whichever is nearer.
+/// reach the time, it carves on from the bone that is shown, or from the last key state (CarvedKeys) before
+/// that time, whichever is nearer.
 class ViewSurface {
  public:
-  /// @param setup, feed  outlive this; without a solid and without balls nothing is shown
-  /// @param cut  the recording's, not null
+  /// @param setup, feed  must outlive this object; if setup has neither solid nor balls, nothing is shown
+  /// @param cut  the cut of the recording; not null
   /// @param map  map of the difference to another recording's bone; null: there is no other recording
   ViewSurface(const std::filesystem::path& recording, const CellSetup& setup,
               std::shared_ptr<const RecordedCut> cut, console::SurfaceFeed& feed,
@@ -44,7 +44,7 @@ class ViewSurface {
  private:
   void Run();
   void Begin(const CarvedBone& from);  // shows this state, and reads on from its time
-  void GoNear(double wanted_s);        // jumps to another state if that is nearer
+  void GoNear(double wanted_s);        // jumps to a key state if that is nearer
   bool CarveOn(double wanted_s);       // reads on to a time; true: more is to be read
   void BeginFeed();                    // tells the feed that all bricks will be sent anew
   void Publish();                      // sends the bricks that have changed
@@ -59,7 +59,7 @@ class ViewSurface {
   // used only by the thread
   std::shared_ptr<const surface::SolidField> solid_;
   std::optional<surface::TissueBricks> tissue_;
-  std::optional<CarvedBone> begin_, bone_;  // the bone as the recording begins, and as it is shown
+  std::optional<CarvedBone> begin_, bone_;  // bone at the recording's beginning; bone that is shown
   std::unique_ptr<RecordingTimeline> timeline_;
   std::unique_ptr<DifferenceMap> map_;
   std::vector<surface::SurfaceChunk> chunks_;

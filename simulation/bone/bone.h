@@ -8,25 +8,27 @@
 
 namespace osteon::simulation {
 
-/// One ball of a packing, in G. Balls overlap; their union is the bone's solid.
+/// One ball of a packing, in G. In an overlapping packing the union of the balls is the bone; in a disjoint
+/// packing no balls overlap.
 struct Ball {
   PlainVector3 center_m;
   double radius_m{0.0};
 };
 
-/// One point of the mass cloud, in G: it stands for `volume_m3` of `material` around it. Removed volume and
-/// mass are sums over the points that a cutting surface has swept, because overlapping balls have no mass of
-/// their own.
+/// One point of the mass cloud, in G: it represents a volume `volume_m3` of `material` around it. Removed
+/// volume and mass are sums over the points that a cutting surface has swept. They are not computed from the
+/// balls, because balls overlap.
 struct MassPoint {
   PlainVector3 p_m;
   double volume_m3{0.0};
   MaterialIndex material{0};
 };
 
-/// The site that is cut, in G: a hemispherical cup that is reamed, or where a drill or burr enters.
+/// The site that is cut, in G: a hemispherical cup that is reamed, or the circle at which a drill or burr
+/// enters.
 struct CutSite {
   PlainVector3 center_m;
-  PlainVector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening (+z of frame C)
+  PlainVector3 axis{Vector3::UnitZ()};  ///< unit vector out of the bone (+z of frame C)
   double radius_m{0.024};
 };
 

@@ -47,7 +47,8 @@ std::vector<Material> SplitCuttingEnergy(std::vector<Material> materials, int ed
       m.edge_force_N_per_m = 0.0;
       continue;
     }
-    // the measured energy is that of the chip plus the edge's share at the measured chip thickness
+    // subtract the edge's share at the measured chip thickness: the measured energy is that of the chip plus
+    // that of the edge
     m.specific_cutting_energy_J_per_m3 -= m.edge_force_N_per_m / m.measured_chip_m;
     m.edge_force_N_per_m *= edge_count;
   }

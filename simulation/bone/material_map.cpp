@@ -9,8 +9,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kPointsPerCell = 4.0;  // on average
-// Limit of cells along the longest side: a flat cloud fills a box without volume.
+constexpr double kPointsPerCell = 4.0;  // average number of points in a cell
+// Largest number of cells along the longest side. It is needed because a flat cloud of points has a box
+// without volume.
 constexpr double kMaxCellsAlong = 256.0;
 
 }  // namespace
@@ -71,7 +72,8 @@ MaterialIndex MaterialMap::At(const Vector3& p_m) const {
       material = points_[i].material;
     }
   };
-  // Shells of cells around the place's own cell: all points of shell n are at least n - 1 sides away.
+  // Visit shells of cells around the cell of the place. All points of shell n are at least n - 1 cell edges
+  // away.
   const std::int64_t last = *std::ranges::max_element(size_);
   for (std::int64_t shell = 0; shell <= last; ++shell) {
     const double reach_m = static_cast<double>(shell - 1) * side_m_;
@@ -80,7 +82,8 @@ MaterialIndex MaterialMap::At(const Vector3& p_m) const {
     const auto high = [&](std::size_t axis) { return std::min(middle[axis] + shell, size_[axis] - 1); };
     for (std::int64_t z = low(2); z <= high(2); ++z)
       for (std::int64_t y = low(1); y <= high(1); ++y) {
-        // a row in a face of the shell belongs to it as a whole, any other row with its two ends
+        // a row of cells in a face of the shell belongs to the shell as a whole; of any other row, only the
+        // two end cells do
         const bool whole_row = std::abs(z - middle[2]) == shell || std::abs(y - middle[1]) == shell;
         const std::int64_t step = whole_row ? 1 : 2 * shell;
         for (std::int64_t x = middle[0] - shell; x <= middle[0] + shell; x += step)

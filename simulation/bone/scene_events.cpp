@@ -12,11 +12,10 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kCosSixtyDegrees = 0.5;
-constexpr int kMaxRefinements = 5;   // steps from a sample to the wall's nearest point
+constexpr int kMaxRefinements = 5;   // largest number of steps from a sample to the wall's nearest point
 constexpr double kRefined_m = 1e-8;  // a shorter step along the wall ends the refinement
 
-// Index of the region's material in the bone. @throws std::invalid_argument where the bone has no such
-// material
+// Index of the region's material in the bone. @throws std::invalid_argument if the bone has no such material
 MaterialIndex FindMaterial(const Bone& bone, const RegionWatch& region) {
   std::string names;
   for (std::size_t i = 0; i < bone.materials.size(); ++i) {
@@ -66,9 +65,9 @@ bool SceneWatch::IsOpening(const OrientedPoint& sample) const {
   return out > 0.0 && sample.normal.dot(off_axis) < 0.0;
 }
 
-// Refines a sample to the wall's point nearest to c. Each step moves along the tangent plane by c's offset
-// from the normal, then back to the surface. It repeats while the point comes nearer and stays on a wall that
-// faces away from c.
+// Moves from a sample of the surface to the wall's point nearest to c. Each step moves the point in its
+// tangent plane to the foot of the perpendicular from c, and then back to the surface. The steps continue
+// while the point comes nearer to c and stays on a wall that faces away from c.
 OrientedPoint SceneWatch::Refined(const Vector3& c_m, OrientedPoint at) const {
   for (int i = 0; i < kMaxRefinements; ++i) {
     const Vector3 to_center = c_m - at.p_m;
@@ -141,8 +140,8 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
   if (walls_.size() == 0) return thinnest;
   for (const ToolBall& ball : cutting_) {
     const Vector3 c = X_GP * Vector3(ball.center_m);
-    // Only a wall thinner than the thinnest so far counts, and its nearest sample may be one spacing farther
-    // away than the wall's nearest point.
+    // Search only for a wall thinner than the thinnest so far. Add one sample spacing, because the nearest
+    // sample may be this much farther away than the wall's nearest point.
     const std::optional<double> bound = thinnest ? thinnest->thickness_m : min_wall_m_;
     const double limit_m = bound ? std::max(0.0, *bound) + ball.radius_m + params_.wall_spacing_m
                                  : std::numeric_limits<double>::infinity();
@@ -150,7 +149,7 @@ std::optional<SceneWatch::Wall> SceneWatch::ThinnestWall(const Pose& X_GP) const
     if (!sample) continue;
     const OrientedPoint foot = Refined(c, *sample);  // the wall's point nearest to c
     const double distance_m = (foot.p_m - c).norm(), thickness_m = distance_m - ball.radius_m;
-    // if the middle between ball and foot lies in air, the ball is outside the bone, beyond its edge
+    // if the middle between ball and foot lies in air, the ball is outside the bone: no wall is between them
     const Vector3 middle = foot.p_m + 0.5 * thickness_m / distance_m * (c - foot.p_m);
     if (thickness_m > 0.0 && solid_->SignedDistance(middle) > 0.0) continue;
     if (!bound || thickness_m < *bound) thinnest = Wall{thickness_m, foot.p_m};

@@ -15,7 +15,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// Checks that the materials have the scene's names, in their order. @throws std::invalid_argument
+/// Checks that the materials have the scene's material names, in the same order. @throws
+/// std::invalid_argument
 void CheckNames(const std::vector<Material>& materials, const std::vector<std::string>& names) {
   if (materials.size() != names.size())
     throw std::invalid_argument(fmt::format("bone: materials: found {}, accepted exactly {}: {}",
@@ -36,8 +37,8 @@ Bone Assemble(const SceneSolid& solid, const SceneParams& scene, std::vector<Bal
           .site = solid.site};
 }
 
-/// Returns the site with an axis of unit length. @throws std::invalid_argument where radius, centre or axis
-/// is not accepted
+/// Returns the site with an axis of unit length. @throws std::invalid_argument if radius, centre or axis is
+/// not accepted
 CutSite CheckedSite(CutSite cup) {
   const Vector3 center = cup.center_m, axis = cup.axis;
   CheckRangeMm("cup: radius", cup.radius_m, 0.0005, 0.100);
@@ -52,13 +53,13 @@ CutSite CheckedSite(CutSite cup) {
   return cup;
 }
 
-/// Share of the directions into the cup's lower half in which bone begins between the distances near_m and
-/// far_m from the centre.
+/// Fraction of the directions into the cup's lower half in which bone begins between near_m and far_m from
+/// the cup's centre.
 double ShareWithBoneBetween(const Solid& solid, const CutSite& cup, double near_m, double far_m) {
   const Vector3 z = cup.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 200;
   int found = 0;
-  for (int i = 0; i < kDirections; ++i) {  // Fibonacci spiral: equal areas
+  for (int i = 0; i < kDirections; ++i) {  // Fibonacci spiral: each direction represents an equal area
     const double height = -(i + 0.5) / kDirections, angle = std::numbers::phi * 2.0 * std::numbers::pi * i;
     const double width = std::sqrt(1.0 - height * height);
     const Vector3 direction = width * (std::cos(angle) * x + std::sin(angle) * y) + height * z;
@@ -70,16 +71,16 @@ double ShareWithBoneBetween(const Solid& solid, const CutSite& cup, double near_
   return static_cast<double>(found) / kDirections;
 }
 
-/// Whether the site's centre lies within a quarter of its radius of the surface, with the outside one radius
-/// above and the inside one radius below.
+/// Whether the site is an entry: its centre lies within a quarter of the site's radius from the surface;
+/// along the axis, the point one radius above is outside the solid and the point one radius below is inside.
 bool IsEntry(const Solid& solid, const CutSite& site) {
   const Vector3 center = site.center_m, up = site.radius_m * Vector3(site.axis);
   return std::abs(solid.SignedDistance(center)) <= 0.25 * site.radius_m &&
          solid.SignedDistance(center + up) > 0.0 && solid.SignedDistance(center - up) < 0.0;
 }
 
-/// Share of the site's circle at which the surface has fallen away by more than a quarter of its radius: all
-/// of it on a ball of less than 1.9 times that radius, none on a plane or in a hollow.
+/// Fraction of the site's circle that is more than a quarter of the site's radius above the surface. It is 1
+/// on a ball of less than 1.9 times the site's radius, and 0 on a plane or in a hollow.
 double ShareFallenAway(const Solid& solid, const CutSite& site) {
   const Vector3 center = site.center_m, z = site.axis, x = z.unitOrthogonal(), y = z.cross(x);
   constexpr int kDirections = 48;
@@ -92,12 +93,12 @@ double ShareFallenAway(const Solid& solid, const CutSite& site) {
   return static_cast<double>(found) / kDirections;
 }
 
-/// Where the vertical line through the site first meets the solid from above.
+/// Returns the site at the point where the vertical line through (x, y) first meets the solid from above.
 CutSite SiteFromAbove(const SiteParams& site, const Solid& solid) {
   CheckRangeMm("site: radius", site.radius_m, 0.0005, 0.100);
   const Eigen::AlignedBox3d box = solid.Bounds();
   constexpr double kTouching_m = 1e-9;  // distance at which the line counts as on the surface
-  // Sphere tracing: going down by the distance cannot pass the surface.
+  // Sphere tracing: a step down by the distance to the surface cannot pass the surface.
   Vector3 p(site.x_m, site.y_m, box.max().z() + 1e-3);
   for (double distance_m = 1.0; p.z() > box.min().z();) {
     distance_m = solid.SignedDistance(p);
@@ -118,7 +119,8 @@ bool SameWord(const std::string& a, const std::string& b) {
                     [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
 }
 
-// The tissues of a mesh's solid and of its regions, each by its name, and the cup's lining.
+// Makes the tissue map of a mesh: the tissues of its solid, of its regions by their names, and of the cup's
+// lining.
 TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>& regions,
                    const CutSite& cup) {
   TissueMap map;
@@ -138,7 +140,7 @@ TissueMap TissueOf(const MeshSceneTissue& tissue, const std::vector<MeshRegion>&
   return map;
 }
 
-/// Checks the tissues for any regions that the mesh may have.
+/// Checks the tissues before the mesh, and so its regions, are known.
 void CheckTissue(const MeshSceneTissue& tissue, std::size_t material_count) {
   std::vector<MeshRegion> all_regions(tissue.regions.size());
   for (std::size_t i = 0; i < all_regions.size(); ++i) all_regions[i].name = tissue.regions[i].name;
@@ -198,7 +200,7 @@ SceneSolid MakeSceneSolid(const SceneParams& scene) {
 
 tl::expected<SceneSolid, MeshError> LoadSceneSolid(const std::filesystem::path& path, double scale,
                                                    const CutSite& site, const SceneParams& scene) {
-  // before loading the mesh, which takes longer
+  // check this before loading the mesh, which takes longer
   CheckTissue(scene.mesh_tissue, scene.material_names.size());
   static_cast<void>(CheckedSite(site));
   const auto loaded = LoadMesh(path, {.scale = scale, .remake = true});
@@ -220,7 +222,8 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
     made.warning = fmt::format("{}: {}", path.string(), DescribeRemake(*loaded.report.remake));
   if (!site) return made;
 
-  // A cup: bone begins between kNear and kFar radii in at least kMinShare of the directions.
+  // A site is a cup if bone begins between kNear and kFar radii from its centre in at least kMinShare of the
+  // directions.
   constexpr double kNear = 0.7, kFar = 1.3, kMinShare = 0.25;
   const double share =
       ShareWithBoneBetween(*solid, checked, kNear * checked.radius_m, kFar * checked.radius_m);
@@ -239,7 +242,8 @@ tl::expected<SceneSolid, MeshError> MakeMeshSolid(const LoadedMesh& loaded, cons
             std::abs(solid->SignedDistance(checked.center_m)) * 1e3, low.x(), low.y(), low.z(), high.x(),
             high.y(), high.z())});
   }
-  // An entry in a cup zone: the surface may fall away from at most this share of the rim.
+  // An entry in a scene with a cup zone is accepted if the surface falls away from at most this fraction of
+  // the site's circle.
   constexpr double kMaxFallenAway = 0.25;
   const double fallen_away =
       share < kMinShare && scene.zone.kind == ZoneParams::Kind::kCup ? ShareFallenAway(*solid, checked) : 0.0;
@@ -278,7 +282,7 @@ std::unique_ptr<CutZone> MakeZone(const ZoneParams& zone, const CutSite& site, c
 }
 
 Bone PackScene(const SceneSolid& solid, const SceneParams& scene, bool split) {
-  CheckNames(scene.materials, scene.material_names);  // before the packing, which takes longer
+  CheckNames(scene.materials, scene.material_names);  // checked before the packing, which takes longer
   const auto zone = MakeZone(scene.zone, solid.site, *solid.solid);
   return Assemble(solid, scene,
                   split ? BuildSplitPacking(*solid.solid, *zone, SplitPackingFor(scene.packing))

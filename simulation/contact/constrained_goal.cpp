@@ -6,7 +6,7 @@
 namespace osteon::simulation {
 namespace {
 
-// A set of planes, and the point nearest to the origin that lies on all of them.
+// A set of planes, and the point nearest to the origin that lies on all of them (each shifted by the slack).
 struct PlaneSet {
   std::array<std::size_t, kMaxHolding> plane{};
   std::array<double, kMaxHolding> multiplier{};
@@ -14,13 +14,13 @@ struct PlaneSet {
   Vector3 point{Vector3::Zero()};
   double slack{0.0};
 
-  // How far the point is on the wrong side of a plane [m], after the slack.
+  // How far the point is on the wrong side of a plane [m], after the plane has yielded by the slack.
   double Violation(const HalfSpace& h) const { return h.offset - h.n.dot(point) - slack; }
 };
 
-// Solves for the multipliers of the nearest point (x, s) on all planes of the set: elimination of the Gram
-// matrix, which is positive definite. False where the planes are parallel or a multiplier is not positive
-// (the plane would pull).
+// Computes the multipliers, point x and slack s of the set, so that (x, s) is the nearest point on all of its
+// planes. The method is elimination of the Gram matrix, which is positive definite. Returns false if planes
+// are parallel, or if a multiplier is not positive (this plane would have to pull).
 bool Solve(std::span<const HalfSpace> planes, PlaneSet& set) {
   std::array<std::array<double, kMaxHolding>, kMaxHolding> gram{};
   std::array<double, kMaxHolding> value{};
@@ -52,13 +52,13 @@ bool Solve(std::span<const HalfSpace> planes, PlaneSet& set) {
   return true;
 }
 
-// Finds the subset of the held planes that, together with the plane `entering`, has a point that violates no
-// held plane. Exactly one such subset exists; where rounding leaves none, takes the one with the smallest
-// violation.
+// Finds the subset of the held planes that, together with the plane `entering`, has a nearest point that
+// violates no held plane. Exactly one such subset exists. If rounding leaves none, takes the subset with the
+// smallest violation.
 PlaneSet Exchange(std::span<const HalfSpace> planes, const PlaneSet& held, std::size_t entering) {
   PlaneSet best;
   double best_violation = std::numeric_limits<double>::infinity();
-  // each bit of the mask: whether that held plane is in the subset
+  // bit i of the mask: held plane i is in the subset
   for (unsigned mask = 0; mask < 1u << held.size; ++mask) {
     PlaneSet set;
     for (int i = 0; i < held.size; ++i)
@@ -99,7 +99,7 @@ ConstrainedGoal FindConstrainedGoal(std::span<const HalfSpace> planes, std::span
     if (entering == planes.size()) break;
     const PlaneSet next = Exchange(planes, held, entering);
     if (next.size == 0) break;
-    // if a plane enters that holds already, only rounding is left: stop
+    // if the entering plane was already held, its violation is only rounding: stop
     const auto end = held.plane.begin() + held.size;
     const bool again = std::find(held.plane.begin(), end, entering) != end;
     held = next;

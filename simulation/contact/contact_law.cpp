@@ -11,25 +11,27 @@
 namespace osteon::simulation {
 namespace {
 
-// Weight of a pair: the square of its overlap with the enlarged tool [m²]. The lens volume has the pair's
-// reduced radius as a further factor, which is nearly the same for all pairs.
+// Weight of a pair: the square of the bone ball's overlap with the enlarged tool [m²]. It approximates the
+// volume of the overlap (the lens): the missing factor, the pair's reduced radius, is nearly the same for all
+// pairs.
 double LensWeight(const CuttingParams& params, const NearPair& pair) {
   const double overlap_m = std::max(0.0, params.normal_enlargement_m - pair.gap_m);
   return overlap_m * overlap_m;
 }
 
-// A face: the holding planes within one cone, and the quantities reported for them.
+// A face of the bone: the holding planes whose normals lie within one cone, and the sums over these planes.
 struct Face {
-  Vector3 hold{Vector3::Zero()};          ///< sum of multiplier n
-  double multiplier{0.0};                 ///< the sum of multipliers
-  double cutting{0.0};                    ///< the cutting balls' part of it
+  Vector3 hold{Vector3::Zero()};          ///< sum of multiplier times normal n
+  double multiplier{0.0};                 ///< sum of the multipliers
+  double cutting{0.0};                    ///< part of `multiplier` that is due to cutting balls
   Vector3 raw_center_T{Vector3::Zero()};  ///< sum of the holding pairs' centres, weighted by multiplier
   double raw_radius{0.0};                 ///< sum of the tool balls' radii, weighted by multiplier
   double lens{0.0};                       ///< sum of LensWeight
-  int known{-1};                          ///< index of the face of the frame before; -1: a new face
+  int known{-1};                          ///< index of this face in the frame before; -1: a new face
 };
 
-// Groups the holding planes by face: a face of the frame before if they are in its cone, otherwise a new one.
+// Groups the holding planes by face. A plane belongs to the face of the frame before in whose cone it lies;
+// if there is none, it belongs to a new face.
 struct Faces {
   std::array<Face, kMaxFaces> face{};
   std::size_t count{0};
@@ -37,8 +39,8 @@ struct Faces {
 Faces FindFaces(const CuttingParams& params, const Candidates& candidates, const ConstrainedGoal& hold,
                 const ContactMemory& memory) {
   Faces faces;
-  // Strongest first, so that a new face forms around the plane that holds most. Insertion in place:
-  // std::stable_sort allocates.
+  // Sort the planes by falling multiplier, so that a new face forms around the plane that holds most. Use
+  // insertion sort, because std::stable_sort allocates memory.
   std::array<int, 4> order{0, 1, 2, 3};
   const auto multiplier = [&](std::size_t place) {
     return hold.multiplier_m[static_cast<std::size_t>(order[place])];
@@ -86,11 +88,11 @@ ContactBin FindBin(const Vector3& u_T, bool cutting) {
   const int axis = size.x() >= size.y() && size.x() >= size.z() ? 0 : size.y() >= size.z() ? 1 : 2;
   const int face = 2 * axis + (u_T[axis] < 0.0 ? 1 : 0);
   if (!cutting) return {.number = kCuttingBins + face, .off_centre = 1.0 - size[axis]};
-  // thirds of the cube's face: one comparison each, so that both engines agree
+  // divide the cube's face into thirds by one comparison each, so that all engines agree
   const auto third = [&](double x) { return 3.0 * x < -size[axis] ? 0 : 3.0 * x > size[axis] ? 2 : 1; };
   const double b = u_T[(axis + 1) % 3], c = u_T[(axis + 2) % 3];
   const int i = third(b), j = third(c);
-  // the third's centre: two thirds of the way from the face's centre to its edge
+  // the centre of an outer third lies two thirds of the way from the face's centre to its edge
   const double along = size[axis] + 2.0 / 3.0 * ((i - 1) * b + (j - 1) * c);
   const double length = std::sqrt(1.0 + 4.0 / 9.0 * ((i != 1) + (j != 1)));
   return {.number = 9 * face + 3 * i + j, .off_centre = 1.0 - along / length};
@@ -147,7 +149,7 @@ void ComputeForceCap(ContactSolution& held) {
 }
 
 ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& input, bool turning) {
-  // motion of a tool ball's centre from first contact to the pose, with the tool's turn or without it
+  // motion of a tool ball's centre from first contact to the tool's pose, with or without the tool's turn
   const auto motion = [&](const NearPair& pair) { return turning ? pair.motion_m : input.motion_G_m; };
   std::array<HalfSpace, kContactBins + kRememberedPairs> planes;
   for (std::size_t i = 0; i < candidates.count; ++i) {
@@ -160,7 +162,7 @@ ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& 
   ComputeForceCap(held);
   if (held.normal_m <= 0.0 || input.friction <= 0.0) return held;
 
-  Vector3 slip = Vector3::Zero();  // of the touching surface, the mean over the planes that hold
+  Vector3 slip = Vector3::Zero();  // slip of the tool's surface, mean over the holding planes
   for (std::size_t k = 0; k < static_cast<std::size_t>(held.goal.count); ++k) {
     const NearPair& pair = candidates.pairs[held.goal.plane[k]];
     Vector3 surface_motion = motion(pair) + held.goal.point_m;
@@ -173,7 +175,7 @@ ContactSolution SolveContacts(const Candidates& candidates, const ContactInput& 
   const double size = slip.norm();
   if (size <= 0.0) return held;
   held.friction_m = -std::min(1.0, input.friction * held.force_multiplier_cap_m / size) * slip;
-  // the friction's step back may lead into another plane by micrometres: move out again
+  // the step back by friction may violate another plane by micrometres: move out of it again
   for (std::size_t i = 0; i < candidates.count; ++i) planes[i].offset -= planes[i].n.dot(held.point_m());
   held.friction_m += FindConstrainedGoal(std::span(planes.data(), candidates.count)).point_m;
   return held;
@@ -191,13 +193,16 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
       solution.shaft[static_cast<std::size_t>(solution.shaft_count++)] = {.n = pair.n, .gap_m = pair.gap_m};
   }
 
-  // faces: the planes that hold the tool, each along the mean normal of the balls around it
+  // group the planes that hold the tool into faces; a face's direction is the mean normal of the balls around
+  // it
   const Faces faces = FindFaces(params, candidates, hold, memory);
-  // Each face takes its share of the friction, which tilts its direction; force and friction vanish together.
+  // Each face gets a part of the friction in proportion to its multiplier, which tilts its direction. So
+  // force and friction become zero together.
   Vector3 cutting = Vector3::Zero(), at = Vector3::Zero();  // at: displacement from the tool's pose
   solution.contact_count = 0;
   ContactMemory next;
-  // part of the faces' own forces; the rest acts along the resultant, shared by multiplier
+  // this part of the force acts along the faces' own directions; the rest acts along the resultant, divided
+  // among the faces by multiplier
   const double free_share = held.normal_m > 0.0 ? held.force_multiplier_cap_m / held.normal_m : 1.0;
   double largest = 0.0;
   for (std::size_t f = 0; f < faces.count; ++f) largest = std::max(largest, faces.face[f].multiplier);
@@ -240,14 +245,15 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
     contact.gap_m = -contact.n.dot(at);
   }
 
-  // the pairs that do not hold, nearest first: planes that the servo loop may meet before the next frame
+  // then report the pairs that do not hold, nearest first: the tool may meet their planes before the next
+  // frame
   std::array<std::size_t, kContactBins + kRememberedPairs> order{};
   std::array<double, kContactBins + kRememberedPairs> room{}, gap{};
   for (std::size_t i = 0; i < candidates.count; ++i) {
     order[i] = i;
     const NearPair& pair = candidates.pairs[i];
-    gap[i] = candidates.gap_m[i] + pair.n.dot(pair.motion_m);  // at the tool's pose
-    room[i] = gap[i] + pair.n.dot(hold.point_m);               // where the planes hold the tool
+    gap[i] = candidates.gap_m[i] + pair.n.dot(pair.motion_m);  // gap at the tool's pose
+    room[i] = gap[i] + pair.n.dot(hold.point_m);               // gap where the planes hold the tool
   }
   std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(candidates.count),
             [&](std::size_t a, std::size_t b) { return room[a] != room[b] ? room[a] < room[b] : a < b; });
@@ -263,13 +269,14 @@ void FillContacts(const CuttingParams& params, const NearField& near, const Cand
     const NearPair& pair = candidates.pairs[i];
     bool covered = false;
     for (int c = 0; c < solution.contact_count; ++c) {
-      // A contact covers a pair in its direction, except that a cutting contact does not cover a shaft's
-      // pair: bone at the cutting edge gives way, bone at the shaft does not.
+      // A reported contact covers a pair with nearly the same normal, which is then not reported. A cutting
+      // contact does not cover a shaft's pair, because bone gives way at the cutting edge but not at the
+      // shaft.
       const SolvedContact& contact = solution.contacts[static_cast<std::size_t>(c)];
       covered = covered || (contact.n.dot(pair.n) > kFaceCosine && (pair.cutting || !contact.cutting));
     }
     if (covered) continue;
-    // the plane must not keep the tool from the pose at which the contacts hold it
+    // the plane must not push the tool away from the pose at which the contacts hold it
     solution.contacts[static_cast<std::size_t>(solution.contact_count++)] = {
         .n = pair.n,
         .p_T_m = pair.center_T_m - pair.tool_radius_m * (input.R_GT.transpose() * pair.n),

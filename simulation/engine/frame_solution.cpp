@@ -23,8 +23,8 @@ double Sum(const std::array<double, kMaxMaterials>& values) {
   return sum;
 }
 
-// Mean over the engaged area of the cutting-force ratio times the distance from the spindle's axis, mu_c r
-// [m]; 0 where nothing is engaged.
+// Mean of mu_c r over the engaged area [m]: cutting-force ratio times distance from the spindle's axis; 0 if
+// nothing is engaged.
 double CuttingArm(const std::vector<Material>& materials, const FrameSolution& solution) {
   const double area = Sum(solution.engaged_area_m2);
   if (area <= 0.0) return 0.0;
@@ -39,15 +39,16 @@ double CuttingForce_N(const CuttingParams& params, const FrameSolution& solution
   return std::min(params.stiffness_N_per_m * solution.cutting_m, params.max_force_N);
 }
 
-// Work that the spindle can do on an edge pressed with the frame's cutting force [J].
+// Work that the spindle can do in the frame on an edge that is pressed into bone with the frame's cutting
+// force [J].
 double AvailableWork(const CuttingParams& params, const std::vector<Material>& materials,
                      const FrameSolution& solution, double spindle_rad_per_s, double dt_s) {
   return CuttingForce_N(params, solution) * std::abs(spindle_rad_per_s) * CuttingArm(materials, solution) *
          dt_s;
 }
 
-// Adds contacts and wrench of the contact law.
-// @param engaged  the material with the largest engaged area; nothing where none is engaged
+// Adds the contact law's contacts and their wrench to the model.
+// @param engaged  the material with the largest engaged area; nothing: none is engaged
 void AddContacts(const CuttingParams& params, const std::vector<Material>& materials, const MaterialMap& map,
                  std::optional<MaterialIndex> engaged, const Pose& X_WG, const Pose& X_WT, bool cutting,
                  double dt_s, const FrameSolution& solution, ContactModel& model) {
@@ -62,8 +63,7 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
     const Vector3 n_W = X_WG.linear() * from.n, lever_W = X_WT.linear() * from.p_T_m;
     if (cutting && from.cutting)
       contact.advance_m_per_s = model.advance_m_per_s * std::max(0.0, from.n.dot(solution.n));
-    // the bone that was cut in this frame is gone, so the plane recedes, but at most until it no longer
-    // overlaps
+    // the bone that was cut in this frame is gone, so move the plane back, but at most until the gap is 0
     contact.gap_m = from.gap_m;
     if (from.gap_m < 0.0 && cutting)
       contact.gap_m = std::min(0.0, from.gap_m + contact.advance_m_per_s * dt_s);
@@ -82,8 +82,8 @@ void AddContacts(const CuttingParams& params, const std::vector<Material>& mater
 }
 
 // Friction coefficient for the next frame: the mean of the touched materials, weighted by engaged area. If
-// nothing is engaged, that of the contact that holds most or, if none holds, of the nearest one; without
-// contacts, that of the first material.
+// nothing is engaged, the coefficient of the contact with the largest multiplier; if no contact holds, that
+// of the nearest contact; without contacts, that of the first material.
 double FrictionOf(const std::vector<Material>& materials, const FrameSolution& solution,
                   const ContactModel& model) {
   const double area_m2 = Sum(solution.engaged_area_m2);
@@ -104,7 +104,8 @@ bool IsPose(const Pose& X) {
          X.linear().determinant() > 0.0;
 }
 
-// @throws std::invalid_argument where a count or index of a state is negative or above its limit.
+// Checks a count or index of a carved state. @throws std::invalid_argument if it is negative or above its
+// limit.
 template <class Value>
 void CheckAtMost(const char* what, Value found, std::int64_t max) {
   if (static_cast<std::int64_t>(found) >= 0 && static_cast<std::int64_t>(found) <= max) return;
@@ -156,23 +157,23 @@ double PloughingWork(const CuttingParams& params, const std::vector<Material>& m
 FrameAdvance ComputeAdvance(const CuttingParams& params, const std::vector<Material>& materials,
                             const FrameSolution& solution, double spindle_rad_per_s, double dt_s,
                             double energy_lead_J) {
-  const double x = solution.cutting_m;  // penetration [m]
+  const double x = solution.cutting_m;  // penetration into the cutting planes [m]
   if (x <= 0.0 || spindle_rad_per_s == 0.0 || dt_s <= 0.0) return {};
-  double work_per_m = 0.0;  // J per metre of advance
+  double work_per_m = 0.0;  // work per advance [J/m]
   for (std::size_t i = 0; i < materials.size(); ++i)
     work_per_m += materials[i].specific_cutting_energy_J_per_m3 * solution.engaged_area_m2[i];
   const double available_J = AvailableWork(params, materials, solution, spindle_rad_per_s, dt_s);
   if (params.law == RemovalLaw::kImmediate) return {.advance_m = x, .edge_work_J = available_J};
-  // bone balls without mass points around them do not hold the tool
+  // if there are no mass points around the bone balls, these do not hold the tool: advance without work
   const double max_m = std::max(0.0, params.max_slide_m - solution.slide_m);
   if (work_per_m <= 0.0) return {.advance_m = std::min(x, max_m), .edge_work_J = 0.0};
   const double ploughing_J = PloughingWork(params, materials, solution, spindle_rad_per_s, dt_s);
   const double work_J = available_J - ploughing_J;
-  // part of the work that may remove more bone: the lead is paid back first
+  // work that may remove more bone, after part of the energy lead has been paid back
   const double paid_J = std::max(0.0, work_J - energy_lead_J * std::min(1.0, dt_s / kEnergyLeadSeconds));
-  const double linear_m = paid_J / work_per_m;  // advance if the force stayed as at the frame's start
+  const double linear_m = paid_J / work_per_m;  // advance if the force stayed constant
   if (linear_m <= 0.0) return {.advance_m = 0.0, .edge_work_J = work_J, .ploughing_work_J = ploughing_J};
-  // penetration beyond that at which the coupling's force equals the edges' force
+  // penetration in excess of the one at which the coupling's force equals the edges' force
   const double beyond_m = ploughing_J > 0.0 ? x * (work_J / available_J) : x;
   const double advance_m = std::min(beyond_m * -std::expm1(-linear_m / beyond_m), max_m);
   return {
@@ -199,13 +200,13 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
   const Pose X_GT = X_WG.inverse() * X_WT;
   const Matrix3 R_WG = X_WG.linear();
 
-  // proxy: the turn proceeds by the same fractions as the two paths
+  // the proxy turns by the fractions of its two paths: up to first contact, and along the slide
   const double turned =
       solution.contact_fraction + (1.0 - solution.contact_fraction) * solution.turn_fraction;
   Eigen::Quaterniond q_P(memory.X_GP.linear());
   const Eigen::Quaterniond q_T(X_GT.linear());
-  // Conversion from matrix to quaternion and back enlarges the matrix's error in every frame while the tool
-  // is held without turning.
+  // Normalise: while the tool is held without turning, each conversion from matrix to quaternion and back
+  // would enlarge the matrix's error.
   if (std::abs(q_P.squaredNorm() - 1.0) > kMaxNormError) q_P.normalize();
   memory.X_GP.linear() = q_P.slerp(turned, q_T).toRotationMatrix();
   memory.X_GP.translation() = solution.origin_end;
@@ -230,8 +231,7 @@ ContactModel FinishFrame(const CuttingParams& params, const std::vector<Material
     engaged = static_cast<MaterialIndex>(std::ranges::max_element(solution.engaged_area_m2) -
                                          solution.engaged_area_m2.begin());
   const bool cutting = input.spindle_rad_per_s != 0.0 && input.dt_s > 0.0;
-  // the frame's mean: the force falls while the bone gives way, so the edge does less work than at the
-  // frame's start
+  // use the frame's mean torque, from the work: the force falls while the bone gives way
   if (cutting)
     model.spindle_torque_Nm =
         (solution.edge_work_J + solution.ploughing_work_J) / (std::abs(input.spindle_rad_per_s) * input.dt_s);

@@ -13,10 +13,10 @@ namespace osteon::simulation {
 
 namespace {
 
-// In place of the number of the only ball that cuts: all cutting balls cut.
+// Value for the index of the only ball that cuts: all cutting balls cut.
 constexpr std::size_t kEveryBall = std::numeric_limits<std::size_t>::max();
 
-// The balls of the uncut bone, rounded to the floats that engines store.
+// Returns the balls of the uncut bone, rounded to the floats that engines store.
 std::vector<BallState> InitialBallStates(const std::vector<Ball>& balls) {
   std::vector<BallState> states;
   states.reserve(balls.size());
@@ -34,7 +34,7 @@ std::vector<MassPoint> RoundPoints(std::vector<MassPoint> points) {
   return points;
 }
 
-// Path length of the tool point that moves farthest.
+// Returns the path length of the tool point that moves farthest.
 double LongestPath(const ToolPoints& from, const ToolPoints& to) {
   double longest = 0.0;
   for (std::size_t t = 0; t < to.size(); ++t) longest = std::max(longest, (to[t] - from[t]).norm());
@@ -78,7 +78,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const bool cutting = input.spindle_rad_per_s != 0.0;
   FrameSolution solution;
 
-  // pass 1: first contact on the straight path from the proxy's pose to the tool's
+  // pass 1: first contact on the straight path from the proxy's pose to the tool's pose
   const ToolPoints start = PlaceTool(tool_, memory_.X_GP), goal = PlaceTool(tool_, X_GT);
   FindNear(start, goal, 0.0, on_way_);
   solution.contact_fraction = std::min(1.0, FirstContact(on_way_, start, goal, 0.0));
@@ -87,8 +87,8 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const double max_m = MaxSlide(params_, input);
   FindNear(contact, contact, std::max({max_m, params_.normal_enlargement_m, params_.engaged_layer_m}), near_);
 
-  // pass 2: find the pairs near the tool at first contact, and the pose closest to the goal that violates no
-  // plane of theirs; then move the proxy towards that pose
+  // pass 2: find the pairs near the tool at first contact, and the pose closest to the tool's pose that
+  // violates none of their planes; then move the proxy towards it
   const ContactInput asked{.R_GT = X_GT.linear(),
                            .motion_G_m = goal.back() - contact.back(),
                            .turn_G = (1.0 - solution.contact_fraction) *
@@ -100,14 +100,14 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const ContactSolution held = SolveContacts(candidates, asked, true);
   FillContacts(params_, near, candidates, held, turning ? SolveContacts(candidates, asked, false) : held,
                asked, memory_.contact, solution);
-  // ends of the slide: with the turn, and (straight) without it
+  // ends of the slide: target with the turn, straight without it
   ToolPoints target = goal, straight = contact;
   for (Vector3& point : target) point += solution.delta;
   for (Vector3& point : straight) point += solution.shift;
   const Slid full =
       Slide(contact, target, (turning ? kTurnToleranceShare : 1.0) * params_.contact_tolerance_m, max_m);
   const Slid unturned = turning ? Slide(contact, straight, params_.contact_tolerance_m, max_m) : full;
-  // if bone keeps the tool from turning, the tool still moves without turning
+  // if bone prevents the turn, the tool still slides without turning
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kRotationBias_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
@@ -116,7 +116,7 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   const ToolPoints slid = InterpolatePoints(contact, turns ? target : straight, chosen.fraction);
   solution.origin_slid = slid.back();
 
-  // pass 3: how far the cutting edge advances into bone, and the removal
+  // pass 3: compute how far the cutting edge advances into bone, and remove bone
   MeasureEngagement(contact, X_GT.linear().col(2), solution);
   const FrameAdvance advance = ComputeAdvance(params_, materials_, solution, input.spindle_rad_per_s,
                                               input.dt_s, memory_.energy_lead_J);
@@ -140,8 +140,8 @@ ContactModel ReferenceEngine::StepPart(const FrameInput& input) {
   return model;
 }
 
-// Finds the balls and points that the tool can meet on a straight path. With splitting, the list of
-// balls differs from frame to frame, so the near items are always found anew.
+// Finds the balls and points that the tool can meet on a straight path. With splitting, the balls' indices
+// change from frame to frame, so the balls and points are then found anew each time.
 void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, double farther_m,
                                ToolReach& near) const {
   if (params_.split.on) near.Forget();
@@ -149,8 +149,8 @@ void ReferenceEngine::FindNear(const ToolPoints& from, const ToolPoints& to, dou
               balls_, points_);
 }
 
-// Fraction of the motion at which the first pair of balls overlaps by the tolerance. Pairs that overlap by
-// less may still approach.
+// Fraction of the motion at which the first pair of balls overlaps by the tolerance. Smaller overlaps are no
+// contact yet.
 double ReferenceEngine::FirstContact(const ToolReach& near, const ToolPoints& from, const ToolPoints& to,
                                      double tolerance_m) const {
   double first = kNoContact;
@@ -174,13 +174,13 @@ ReferenceEngine::Slid ReferenceEngine::Slide(const ToolPoints& from, const ToolP
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
-// Finds, with the tool at `at`: the nearest pair of each bin of direction, the sums about each face of the
-// previous frame, and the present state of the remembered pairs.
-// @param goal  the tool's balls at the pose that the frame asks for
+// Finds, with the tool at `at`: the nearest pair of each bin of direction, the sums over the cone of each
+// face of the previous frame, and the present gaps of the remembered pairs.
+// @param goal  the tool's balls at the tool's pose X_GT
 NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints& goal,
                                          const Matrix3& R_GT) const {
   NearField near;
-  const Matrix3 bin_axes = RoundToFloat(R_GT);  // in the device's precision
+  const Matrix3 bin_axes = RoundToFloat(R_GT);  // rounded as on the GPU
   const ContactMemory& memory = memory_.contact;
   const auto pair_of = [&](std::size_t b, std::size_t t) {
     const Vector3 from_bone = at[t] - balls_[b].center_m;
@@ -220,15 +220,15 @@ NearField ReferenceEngine::FindNearField(const ToolPoints& at, const ToolPoints&
     if (known.bone_ball < balls_.size() && known.tool_ball < tool_.balls.size())
       near.remembered[static_cast<std::size_t>(k)] = pair_of(known.bone_ball, known.tool_ball);
   }
-  // remembered pairs that the tool has left behind no longer constrain it
+  // remembered pairs whose gap has become large no longer constrain the tool
   for (NearPair& pair : near.remembered)
     pair.present = pair.present && pair.gap_m < params_.normal_enlargement_m;
   return near;
 }
 
-// Measures the area of the cutting surface in bone, by material: volume of the mass points within a layer of
-// the surface, over the layer's depth, projected along the contact normal. The moment is area times distance
-// from the spindle's axis.
+// Measures the area of the cutting surface in bone, by material: volume of the mass points within a layer at
+// the surface, divided by the layer's depth and projected along the contact normal. The moment is area times
+// distance from the spindle's axis.
 void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis_G,
                                         FrameSolution& solution) const {
   if (solution.cutting_m <= 0.0) return;
@@ -254,9 +254,8 @@ void ReferenceEngine::MeasureEngagement(const ToolPoints& at, const Vector3& spi
   }
 }
 
-// Index of the tool ball that touches first on this motion; among those that touch at the same time, the
-// first in the tool's order. If none touches, the number of tool balls. @param first  the fraction of first
-// contact
+// Index of the tool ball that touches first on this motion; if several touch at the same time, the lowest
+// index. If none touches, the number of tool balls. @param first  fraction of the motion at first contact
 std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const ToolPoints& to,
                                                double first) const {
   const double last = std::min(1.0, first + kTieTolerance_m / LongestPath(from, to));
@@ -272,8 +271,9 @@ std::size_t ReferenceEngine::FirstTouchingBall(const ToolPoints& from, const Too
   return touching;
 }
 
-// The volumes that the cutting balls sweep on both pieces of the proxy's path, one ball after the other.
-// @param only  the one ball that cuts, or kEveryBall
+// Computes the volumes that the cutting balls sweep on both pieces of the proxy's path (slide and advance),
+// one ball after the other.
+// @param only  index of the only ball that cuts, or kEveryBall
 ReferenceEngine::Swept ReferenceEngine::SweptBy(const ToolPoints& contact, const ToolPoints& slid,
                                                 const ToolPoints& end, std::size_t only) const {
   Swept swept{.capsules = {}, .first = std::vector<std::size_t>(tool_.balls.size() + 1, 0)};
@@ -291,7 +291,7 @@ ReferenceEngine::Swept ReferenceEngine::SweptBy(const ToolPoints& contact, const
 // Shrinks or splits the bone balls in the swept volume, clears the mass points in it, and adds up their
 // volume.
 void ReferenceEngine::Remove(const Swept& swept, FrameSolution& solution) {
-  if (params_.split.on) {  // only BallRemoval splits; without splits, each ball shrinks by itself
+  if (params_.split.on) {  // only BallRemoval can split; without splitting, each ball simply shrinks
     removal_.Remove(swept.capsules, balls_);
     for (BallState& ball : balls_) ball = RoundToStored(ball);
   } else {
@@ -319,8 +319,8 @@ CarvedState ReferenceEngine::Snapshot() const {
   removal_.Save(balls_, state);
   state.cleared = cleared_;
   ToState(memory_, state);
-  // Renumber the bone balls of the remembered pairs: the saved state numbers the children of split balls
-  // differently. Pairs whose ball is not saved are dropped.
+  // Renumber the bone balls of the remembered pairs: a saved state numbers the children of split balls in
+  // another way. Pairs whose ball is not saved are dropped.
   ContactMemory& contact = state.contact;
   const std::int32_t count = std::exchange(contact.pair_count, 0),
                      held = std::exchange(contact.held_count, 0);

@@ -12,7 +12,7 @@
 namespace osteon::simulation {
 
 /// The oracle: the cutting model in double precision by plain loops over every pair. Every other engine must
-/// reproduce these passes:
+/// reproduce its passes (P: proxy, T: tool's pose):
 ///
 ///     1  first contact    P ──▶ T, every tool ball against every bone ball
 ///     2  normals, slide   lens-weighted planes around the tool there, then the closest target that
@@ -22,14 +22,14 @@ namespace osteon::simulation {
 /// Sources: Kaluschke et al. 2019 (passes 1 to 3), Zilles and Salisbury 1995 (god-object on several planes).
 class ReferenceEngine final : public CuttingEngine {
  public:
-  /// The loops' range: the result is the same to the last bit.
+  /// The balls and points over which the loops run. The result is the same to the last bit.
   enum class Loops {
-    kNear,  ///< what a tool can meet in this frame (ToolReach)
+    kNear,  ///< those that the tool can meet in this frame (ToolReach)
     kAll    ///< every ball and point of the bone
   };
 
   /// @param X_WG  pose of the bone in the world
-  /// @throws std::invalid_argument where the bone has more than kMaxMaterials materials, the tool has no
+  /// @throws std::invalid_argument if the bone has more than kMaxMaterials materials, the tool has no
   ///   ball, or params.split is not accepted.
   ReferenceEngine(const Bone& bone, const Tool& tool, const Pose& X_WG, const CuttingParams& params,
                   Loops loops = Loops::kNear);
@@ -47,7 +47,7 @@ class ReferenceEngine final : public CuttingEngine {
                       double tolerance_m) const;
   /// The part of a straight path that contacts and max_slide_m allow.
   struct Slid {
-    double fraction, way_m;  ///< way_m: path length of the point that moves farthest
+    double fraction, way_m;  ///< fraction of the path; way_m: path length of the point that moves farthest
     bool stopped;            ///< a ball stopped the slide
   };
   Slid Slide(const ToolPoints& from, const ToolPoints& to, double tolerance_m, double max_m) const;
@@ -58,7 +58,7 @@ class ReferenceEngine final : public CuttingEngine {
   /// The volumes that a frame's cutting balls sweep.
   struct Swept {
     std::vector<Capsule> capsules;
-    std::vector<std::size_t> first;  ///< index of each tool ball's first capsule, then the number of capsules
+    std::vector<std::size_t> first;  ///< each tool ball's first capsule; last entry: number of capsules
     [[nodiscard]] std::span<const Capsule> Of(std::size_t t) const {
       return std::span(capsules).subspan(first[t], first[t + 1] - first[t]);
     }
@@ -68,7 +68,7 @@ class ReferenceEngine final : public CuttingEngine {
   void Remove(const Swept& swept, FrameSolution& solution);
 
   Tool tool_;
-  double lever_m_;  ///< ToolLever
+  double lever_m_;  ///< lever of the tool (ToolLever)
   std::vector<Material> materials_;
   MaterialMap map_;
   std::vector<MassPoint> points_;
@@ -79,7 +79,7 @@ class ReferenceEngine final : public CuttingEngine {
   std::vector<std::uint8_t> cleared_;
   FrameMemory memory_;
   const Loops loops_;
-  ToolReach on_way_;  ///< bone that the tool can meet between the proxy and its pose
+  ToolReach on_way_;  ///< bone that the tool can meet between proxy and tool pose
   ToolReach near_;    ///< bone around the tool at first contact
 };
 

@@ -5,7 +5,7 @@
 namespace osteon::simulation {
 
 std::uint64_t HashState(const CarvedState& state) {
-  // FNV-1a of 64 bits: the two constants are its offset basis and its prime
+  // FNV-1a of 64 bits: the two constants are the offset basis and the prime
   std::uint64_t hash = 14695981039346656037ull;
   const auto mix = [&hash](const void* data, std::size_t size) {
     const auto* bytes = static_cast<const unsigned char*>(data);

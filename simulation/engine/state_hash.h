@@ -6,7 +6,7 @@
 
 namespace osteon::simulation {
 
-/// HashState as files and summaries keep it: 16 hexadecimal digits.
+/// Formats HashState for files and summaries: 16 hexadecimal digits.
 [[nodiscard]] std::string HashText(const CarvedState& state);
 
 }  // namespace osteon::simulation

@@ -9,12 +9,13 @@
 
 namespace osteon::simulation {
 
-/// Smallest gap between a tool's balls and the remaining bone's [m]; negative: how far the tool is in bone.
-/// Infinite where no bone is left.
+/// Smallest gap between the tool's balls and the remaining bone balls [m]; negative: how far the tool is in
+/// bone. Infinite if no bone is left.
 [[nodiscard]] double ToolClearance(const CarvedState& state, const Tool& tool, const Pose& X_GT);
 
-/// Returns a carved state without proxy and contact memory, which refer to the former tool. An engine with
-/// another tool, or at another place, then begins at the tool pose of its first frame.
+/// Returns a carved state without proxy and contact memory, which refer to the former tool. An engine that
+/// continues from this state, with another tool or at another place, begins at the tool pose of its first
+/// frame.
 [[nodiscard]] CarvedState WithoutContact(CarvedState state);
 
 }  // namespace osteon::simulation

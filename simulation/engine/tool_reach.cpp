@@ -6,9 +6,10 @@
 namespace osteon::simulation {
 namespace {
 
-// The spheres are larger by this [m] than a frame needs, so that the lists serve later frames as well.
+// The radius of each sphere is larger by this [m] than the frame needs, so that later frames can use the
+// lists, too.
 constexpr double kSpare_m = 1e-3;
-// Allowance [m] for rounding: of balls, whenever they shrink, and of the distances that are compared below.
+// Allowance [m] for rounding of balls, whenever they shrink, and of the distances that are compared below.
 constexpr double kRounding_m = 10e-6;
 
 }  // namespace
@@ -21,7 +22,7 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
     needed.push_back(
         {.centre_m = 0.5 * (from[t] + to[t]),
          .radius_m = 0.5 * (to[t] - from[t]).norm() + tool.balls[t].radius_m + farther_m + kRounding_m});
-  // the lists stay valid while each tool ball's sphere holds the one that is needed now
+  // the lists stay valid while each tool ball's sphere encloses the sphere that is needed now
   if (spheres_.size() == needed.size()) {
     bool inside = true;
     for (std::size_t t = 0; t < needed.size() && inside; ++t)
@@ -49,7 +50,8 @@ void ToolReach::Update(const Tool& tool, const ToolPoints& from, const ToolPoint
   points_.first.push_back(points_.tool.size());
 }
 
-// Adds a bone ball, or a mass point (radius 0), if a tool ball can meet it, together with those tool balls.
+// Adds a bone ball, or a mass point (radius 0), if any tool ball can meet it. Stores it with all tool balls
+// that can meet it.
 void ToolReach::AddNear(std::size_t item, const Vector3& p_m, double radius_m, NearItems& near) const {
   const auto meets = [&](const Sphere& sphere) {
     const double within_m = sphere.radius_m + radius_m;

@@ -13,11 +13,11 @@
 
 namespace osteon::simulation {
 
-/// Balls or mass points of a bone, each with the balls of the tool that can meet it.
+/// Balls or mass points of a bone, each with the tool balls that can meet it.
 struct NearItems {
-  std::vector<std::size_t> items;     ///< numbers of the balls or points, ascending
-  std::vector<std::size_t> first;     ///< for each item, where its tool balls begin in `tool`; then the end
-  std::vector<std::uint32_t> tool{};  ///< numbers of tool balls, ascending for each item
+  std::vector<std::size_t> items;     ///< indices of the balls or points, ascending
+  std::vector<std::size_t> first;     ///< index in `tool` of each item's first tool ball; then the end
+  std::vector<std::uint32_t> tool{};  ///< indices of tool balls, ascending for each item
 
   [[nodiscard]] std::span<const std::uint32_t> ToolBallsOf(std::size_t place) const {
     return std::span(tool).subspan(first[place], first[place + 1] - first[place]);
@@ -25,19 +25,19 @@ struct NearItems {
 };
 
 /// The balls and points that a tool can meet in a frame. Each tool ball has a sphere around its path;
-/// whatever touches none of these spheres cannot change a bit of the frame. The lists also serve later
-/// frames, until a tool ball leaves its sphere.
+/// balls and points that touch none of these spheres cannot change a bit of the frame's result. The lists
+/// also serve later frames, until a tool ball leaves its sphere.
 class ToolReach {
  public:
-  /// Finds what the tool can meet.
+  /// Finds the balls and points that the tool can meet.
   /// @param from, to  ends of the tool's straight path
-  /// @param farther_m  added to each sphere's radius: how far from that path bone still matters
+  /// @param farther_m  added to each sphere's radius: distance from the path up to which bone matters
   void Update(const Tool& tool, const ToolPoints& from, const ToolPoints& to, double farther_m,
               const std::vector<BallState>& balls, const std::vector<MassPoint>& points);
-  /// Lets the next Update find everything anew. Call if balls have grown, or have other numbers.
+  /// Makes the next Update find everything anew. Call it if balls have grown or their indices have changed.
   void Forget() { spheres_.clear(); }
 
-  /// Whether each ball of the tool at these places lies within its sphere.
+  /// Whether each ball of the tool, at the places `at`, lies within its sphere.
   [[nodiscard]] bool Holds(const Tool& tool, const ToolPoints& at) const;
   [[nodiscard]] const NearItems& balls() const { return balls_; }
   [[nodiscard]] const NearItems& points() const { return points_; }

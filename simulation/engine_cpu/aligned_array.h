@@ -6,19 +6,19 @@
 
 namespace osteon::simulation::cpu {
 
-/// An array of plain data that begins at a cache line and never moves. It is allocated at set-up only, with
-/// kPadding more elements, since kernels read beyond the end.
+/// An array of plain data that begins at a cache line and never moves. It is allocated at set-up only. It has
+/// kPadding more elements, because kernels read beyond the end.
 template <class T>
 class AlignedArray {
  public:
-  static constexpr std::size_t kAlignment = 64;  ///< [bytes]
-  static constexpr std::size_t kPadding = 16;    ///< [elements]
+  static constexpr std::size_t kAlignment = 64;  ///< start of the array is a multiple of this [bytes]
+  static constexpr std::size_t kPadding = 16;    ///< additional elements behind the end
 
   AlignedArray() = default;
   /// Every element is zero.
   explicit AlignedArray(std::size_t size) { Allocate(size, size + kPadding); }
-  /// Room for `size` elements, of which only the first `touched` are zeroed. The rest costs address space,
-  /// and memory only once it is written.
+  /// Has room for `size` elements, of which only the first `touched` are zeroed. The others take address
+  /// space at once, but memory only when they are written.
   AlignedArray(std::size_t size, std::size_t touched) { Allocate(size, touched); }
 
   [[nodiscard]] T* data() { return data_; }

@@ -7,10 +7,10 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-// Converts a length as RoundToStored() does.
+// Converts a length from metres to float millimetres, with the rounding of RoundToStored().
 float ToMillimetres(double metres) { return static_cast<float>(metres * 1e3); }
 
-// Box of a ball [mm], with the allowance for the rounding of floats.
+// Returns the box of a ball [mm], enlarged by an allowance for the rounding of floats.
 BoxTree::Box BoxAround(const float (&center)[3], float radius_mm) {
   BoxTree::Box box{};
   for (int a = 0; a < 3; ++a) {
@@ -20,7 +20,8 @@ BoxTree::Box BoxAround(const float (&center)[3], float radius_mm) {
   return box;
 }
 
-// Number of blocks of eight for the balls. Clusters start at a whole block, so the last one is filled up.
+// Number of blocks of eight for the balls. It is a whole number of clusters, so the last cluster may have
+// empty blocks.
 std::uint32_t BlocksFor(std::size_t balls) {
   return static_cast<std::uint32_t>((balls + BoxTree::kCluster - 1) / BoxTree::kCluster * 8);
 }
@@ -47,7 +48,7 @@ BoneStore::BoneStore(const Bone& bone, double layer_m, std::size_t max_child_blo
 
 void BoneStore::TakePoints(const Bone& bone, double layer_m) {
   const std::size_t count = bone.points.size();
-  // eight points are read at a time
+  // allocate room to read eight points at a time
   for (AlignedArray<float>& a : point_mm_) a = AlignedArray<float>(count);
   volume_m3_.resize(count), layer_area_m2_.resize(count), material_.resize(count);
   std::size_t materials = std::max<std::size_t>(1, bone.materials.size());

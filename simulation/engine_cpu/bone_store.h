@@ -19,7 +19,7 @@ class BoneStore {
   /// @param max_child_blocks  largest number of blocks of children
   BoneStore(const Bone& bone, double layer_m, std::size_t max_child_blocks);
 
-  // ---- balls; a ball's number is 8 · block + lane
+  // ---- balls; a ball's index is 8 · block + lane
   [[nodiscard]] std::size_t ball_count() const { return ball_count_; }
   [[nodiscard]] BallBlock* blocks() { return blocks_.data(); }
   [[nodiscard]] const BallBlock* blocks() const { return blocks_.data(); }
@@ -30,7 +30,7 @@ class BoneStore {
   void SetChildBlocks(std::uint32_t count);
   [[nodiscard]] BallState BallAt(std::size_t ball) const;
   void PutBall(std::size_t ball, const BallState& state);
-  /// Read and write x y z r [mm], as in CarvedState.
+  /// These functions read and write a ball's x y z r [mm], the format of CarvedState.
   void ReadFloats(std::size_t ball, float* four) const;
   void WriteFloats(std::size_t ball, const float* four);
   [[nodiscard]] float RadiusOf(std::size_t ball) const { return blocks_[ball / 8].r[ball % 8]; }
@@ -43,7 +43,7 @@ class BoneStore {
   // ---- mass points
   [[nodiscard]] std::size_t point_count() const { return cleared_.size(); }
   [[nodiscard]] std::size_t material_count() const { return material_points_.size(); }
-  /// Upper bound of the number of blocks of eight that a material's points may take in a list.
+  /// Upper bound of the number of blocks of eight in a neighbour list of a material's points.
   [[nodiscard]] std::size_t MaxPointBlocks(std::size_t material) const;
   [[nodiscard]] const float* point_mm(int axis) const { return point_mm_[axis].data(); }
   [[nodiscard]] double volume_m3(std::size_t i) const { return volume_m3_[i]; }
@@ -55,7 +55,7 @@ class BoneStore {
   /// Number of points of a cluster that are not cleared.
   [[nodiscard]] std::uint32_t PointsLeft(std::uint32_t cluster) const { return points_left_[cluster]; }
   [[nodiscard]] const std::vector<std::uint8_t>& cleared() const { return cleared_; }
-  /// Replaces the marks of all mass points.
+  /// Sets for each mass point whether it is removed.
   void SetCleared(const std::vector<std::uint8_t>& cleared);
 
   BoxTree ball_tree, point_tree;
@@ -74,7 +74,7 @@ class BoneStore {
   // for each material: number of its points, and of clusters that have such points
   std::vector<std::size_t> material_points_, material_clusters_;
   std::vector<std::uint8_t> cleared_;
-  std::vector<std::uint32_t> points_left_;  // of each cluster
+  std::vector<std::uint32_t> points_left_;  // points not cleared, for each cluster
 };
 
 }  // namespace osteon::simulation::cpu

@@ -7,12 +7,13 @@
 namespace osteon::simulation::cpu {
 
 /// Bounding volume hierarchy with eight boxes to a node. A leaf is the box around a cluster of 64 consecutive
-/// balls or points, whose order follows a space-filling curve. The boxes are those of the uncut bone. They
-/// stay valid, because balls and points only shrink or vanish.
+/// balls or points. The order of balls and points follows a space-filling curve, so the boxes are small. The
+/// boxes are those of the uncut bone; they stay valid because balls and points only shrink or vanish.
 class BoxTree {
  public:
-  static constexpr std::uint32_t kCluster = 64;  ///< balls or points of a cluster
-  /// Eight boxes: the smallest x, y, z of each, then the largest [mm]. An empty box has smallest > largest.
+  static constexpr std::uint32_t kCluster = 64;  ///< number of balls or points in a cluster
+  /// Eight boxes: the smallest x, y, z of each box, then the largest [mm]. An empty box has smallest >
+  /// largest.
   struct alignas(64) Node {
     float box[6][8];
   };
@@ -26,7 +27,7 @@ class BoxTree {
 
   [[nodiscard]] std::uint32_t cluster_count() const { return cluster_count_; }
   [[nodiscard]] Box BoxOf(std::uint32_t cluster) const;
-  /// Removes a cluster of which nothing is left from later searches, until Reset.
+  /// Excludes a cluster from later searches, until Reset. Used when nothing of the cluster is left.
   void Drop(std::uint32_t cluster);
   /// Undoes each Drop.
   void Reset();
@@ -39,14 +40,15 @@ class BoxTree {
   }
 
  private:
-  // Find, for one node of a level (0: the clusters' level) and all that is below it.
+  // Does the search of Find for one node of a level (0: the clusters' level) and for the nodes below it.
   template <class Meets, class Visit>
   void Descend(std::size_t level, std::size_t node, const Meets& meets, Visit&& visit) const {
     const unsigned found = meets(levels_[level][node].box);
     const std::size_t count = level == 0 ? cluster_count_ : levels_[level - 1].size();
     for (unsigned k = 0; k < 8; ++k) {
       const std::size_t child = node * 8 + k;
-      // a search with a coordinate that is not finite also matches empty boxes, which have no child
+      // skip empty boxes, which have no child: a search with a coordinate that is not finite matches them,
+      // too
       if ((found >> k & 1u) == 0 || child >= count) continue;
       if (level == 0)
         visit(static_cast<std::uint32_t>(child));
@@ -55,7 +57,7 @@ class BoxTree {
     }
   }
 
-  std::vector<std::vector<Node>> levels_;  // from the clusters up to the root
+  std::vector<std::vector<Node>> levels_;  // levels from the clusters up to the root
   std::vector<Node> first_level_;          // the clusters' level as built, for Reset
   std::uint32_t cluster_count_{0};
 };

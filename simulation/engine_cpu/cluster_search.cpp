@@ -8,7 +8,7 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr std::uint32_t kNoHit = ~0u;  // ends a cluster's list of hits
+constexpr std::uint32_t kNoHit = ~0u;  // marks the end of a cluster's list of hits
 
 // Calls visit(number) for each number in a set of bits, ascending, and empties the set.
 template <class Visit>

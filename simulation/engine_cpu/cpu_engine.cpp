@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Finds the kernels of an instruction set; without a name, those of the best one.
+// Finds the kernels of an instruction set; with an empty name, those of the best set.
 // @throws std::invalid_argument if this processor does not have it.
 const cpu::Kernels& KernelsFor(const std::string& name) {
   const auto& available = cpu::AvailableKernels();
@@ -25,14 +25,14 @@ const cpu::Kernels& KernelsFor(const std::string& name) {
 }
 
 // Largest number of blocks of eight children that split balls may have.
-// @throws std::invalid_argument where params are not accepted.
+// @throws std::invalid_argument if params are not accepted.
 std::size_t MaxChildBlocks(const SplitParams& params) {
   if (!params.on) return 0;
   const BallSplitter accepted({}, params);
   return params.pool_blocks * ((accepted.slots() + 7) / 8);
 }
 
-// @throws std::invalid_argument unless the engine accepts this bone and this tool.
+// Checks bone and tool. @throws std::invalid_argument if the engine does not accept them.
 void Check(const Bone& bone, const Tool& tool) {
   if (bone.materials.size() > kMaxMaterials)
     throw std::invalid_argument(
@@ -191,7 +191,7 @@ void CpuEngine::Restore(const CarvedState& state) {
 }
 
 std::string CpuDeviceText(const std::string& instruction_set) {
-  // Highway's names of AVX-512 and of plain C++
+  // replace Highway's names of AVX-512 and of plain C++
   const std::string& name = instruction_set;
   const std::string plain = name == "N_AVX3"                           ? "AVX-512"
                             : name == "N_SCALAR" || name == "N_EMU128" ? "plain C++"

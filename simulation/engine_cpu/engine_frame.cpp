@@ -4,12 +4,13 @@
 #include "simulation/contact/cutting_math.h"
 #include "simulation/engine_cpu/engine_impl.h"
 
-// Computes a frame pass by pass, as ReferenceEngine::StepPart does.
+// Computes a frame pass by pass, in the order of ReferenceEngine::StepPart.
 
 namespace osteon::simulation {
 namespace {
 
-// Result of a frame that needs more listed pairs than there is room for; the bone is unchanged.
+// Makes the result of a frame that needs more listed pairs than the lists have room for; the bone is
+// unchanged.
 ContactModel Overloaded() {
   ContactModel refused;
   refused.status = EngineStatus::kOverloaded;
@@ -54,7 +55,7 @@ ContactModel CpuEngine::Impl::ComputeFrame(const FrameInput& input) {
     const Vector3 step = solution.origin_end - solution.origin_slid;
     const double v[3] = {step.x(), step.y(), step.z()};
     kernels.shifted(slid.places(), v, balls.count(), end.places());
-    // number of the only tool ball that cuts; -1: all cut
+    // index of the only tool ball that cuts; -1: all cutting balls cut
     std::int32_t only = -1;
     if (params.cutters == Cutters::kContactSphere)
       only = static_cast<std::int32_t>(TouchingBall(solution.contact_fraction));
@@ -68,20 +69,21 @@ ContactModel CpuEngine::Impl::ComputeFrame(const FrameInput& input) {
   return model;
 }
 
-// Places the tool's balls at the proxy and at the pose, and finds how far from the tool this frame needs
-// balls and points. @returns the path of the tool point that moves farthest [m].
+// Places the tool's balls at the proxy and at the tool's pose, and computes up to which distance from the
+// tool this frame needs balls and points. @returns the path of the tool point that moves farthest [m].
 double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
   SetPlaces(memory.X_GP, start);
   SetPlaces(X_GT, goal);
   const double path_m = LongestWay(start, goal);
-  // With the rate law, the tool moves at most max_slide from first contact. With the immediate law, it goes
-  // on to its pose: at most max_slide for the slide, path_m, and max_slide for the way back from the slide.
+  // With the rate law, the tool moves at most max_slide from first contact. With the immediate law, it then
+  // moves on to its pose. That takes at most max_slide for the slide, max_slide to return from the slide, and
+  // path_m.
   const bool goes_on = params.law == RemovalLaw::kImmediate;
   const double way_mm = 1e3 * (goes_on ? 2.0 * params.max_slide_m + path_m : params.max_slide_m);
   const double ball_mm = std::max(1e3 * params.normal_enlargement_m, way_mm),
                point_mm = std::max(1e3 * params.engaged_layer_m, way_mm);
-  // with the immediate law, lists reach farther by half the path and 0.1 mm: a slightly longer path in the
-  // next frame then needs no new lists
+  // with the immediate law, lists reach farther by half the path plus 0.1 mm, so that a slightly longer path
+  // in the next frame needs no new lists
   const double more_mm = goes_on ? 500.0 * path_m + 0.1 : 0.0;
   const double farthest_mm = std::max(ball_mm, point_mm) + more_mm + lists.max_skin_mm();
   rounding_mm = balls.UpdateRounding(start, goal, static_cast<float>(bone.max_radius_mm()),
@@ -94,10 +96,10 @@ double CpuEngine::Impl::PlaceTool(const Pose& X_GT) {
   return path_m;
 }
 
-// Pass 1: first contact. If it lies within the skin of the present list, this list finds it: until the tool
-// leaves the skin, the list holds every pair that touches. Otherwise the tree of boxes finds it, and a list
-// is made at first contact.
-// @returns false if there are more pairs than there is room for; the bone is unchanged then.
+// Pass 1: finds first contact. It is found with the present list if the tool is still within the list's skin
+// there, because the list then holds every pair that touches. Otherwise the box tree finds it, and a new list
+// is built with the tool at first contact.
+// @returns false if there are more pairs than the lists have room for; the bone is then unchanged.
 bool CpuEngine::Impl::FindContact(double path_m, FrameSolution& solution) {
   if (!lists.Serves(start, reach) && !lists.MakeAt(start, list_reach)) return false;
   EndStage(CpuStage::kLists);
@@ -138,7 +140,7 @@ ContactInput CpuEngine::Impl::ContactInputOf(const Matrix3& R_GT, double contact
 }
 
 // Pass 2: finds the closest target that violates no plane of the pairs near the tool.
-// @returns whether the tool is asked to turn.
+// @returns whether the frame's path includes a turn of the tool.
 bool CpuEngine::Impl::SolveContacts(const FrameInput& input, const Matrix3& R_GT, FrameSolution& solution) {
   const ContactInput asked = ContactInputOf(R_GT, solution.contact_fraction, input.spindle_rad_per_s != 0.0);
   const bool turning = asked.turn_G != Vector3::Zero();
@@ -153,8 +155,8 @@ bool CpuEngine::Impl::SolveContacts(const FrameInput& input, const Matrix3& R_GT
   return turning;
 }
 
-// Slides the tool from first contact towards the target of the contact law. @returns the length of the slide:
-// the path of the tool point that moves farthest [m].
+// Slides the tool from first contact towards the target of the contact law. @returns the length of the slide
+// [m]: the path of the tool point that moves farthest.
 double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSolution& solution) {
   const auto shift = [this](const cpu::ToolPlacement& from, const Vector3& by, cpu::ToolPlacement& to) {
     const double v[3] = {by.x(), by.y(), by.z()};
@@ -166,7 +168,7 @@ double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSo
   const Slid full =
       SlideTo(target, (turning ? kTurnToleranceShare : 1.0) * params.contact_tolerance_m, max_m);
   const Slid unturned = turning ? SlideTo(straight, params.contact_tolerance_m, max_m) : full;
-  // if bone keeps the tool from turning, the tool still moves without turning
+  // if bone prevents the turn, the tool still slides without turning
   const bool turns = SlidesTurning(full.stopped, full.way_m, unturned.way_m, kRotationBias_m);
   const Slid& chosen = turns ? full : unturned;
   solution.slide_fraction = chosen.fraction;
@@ -179,7 +181,7 @@ double CpuEngine::Impl::SlideTool(const FrameInput& input, bool turning, FrameSo
   return chosen.way_m;
 }
 
-// Pass 3, first half: how far the cutting edge advances into bone.
+// Pass 3, first half: computes how far the cutting edge advances into bone.
 void CpuEngine::Impl::Advance(const FrameInput& input, FrameSolution& solution) {
   const FrameAdvance advance =
       ComputeAdvance(params, materials, solution, input.spindle_rad_per_s, input.dt_s, memory.energy_lead_J);

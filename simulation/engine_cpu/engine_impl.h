@@ -38,10 +38,10 @@ struct CpuEngine::Impl {
 
   // ---- used within a frame: the tool's balls at its start, goal, first contact, …
   cpu::ToolPlacement start, goal, contact, last_contact, target, straight, slid, end;
-  // each tool ball's path in the current ContactPass
+  // path of each tool ball in the present ContactPass
   cpu::AlignedArray<float> way_x_mm, way_y_mm, way_z_mm;
   float rounding_mm{0.0f};
-  cpu::FrameReach reach, list_reach;  // what the frame needs; what new lists should have
+  cpu::FrameReach reach, list_reach;  // reach that the frame needs; reach for new lists
   NearField near;
   std::vector<std::uint32_t> likely_place, likely_tool;  // pairs that were nearest in the previous frame
   std::size_t likely_count{0};
@@ -72,7 +72,7 @@ struct CpuEngine::Impl {
 
   // ---- engine_passes.cpp
   struct Slid {
-    double fraction, way_m;  ///< way_m: path length of the point that moves farthest
+    double fraction, way_m;  ///< fraction of the path; way_m: path length of the point that moves farthest
     bool stopped;            ///< a ball stopped the slide
   };
   [[nodiscard]] double LongestWay(const cpu::ToolPlacement& a, const cpu::ToolPlacement& b) const;

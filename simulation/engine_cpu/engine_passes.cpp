@@ -11,8 +11,8 @@
 namespace osteon::simulation {
 namespace {
 
-// ShrinkBall of cutting_math.h as the kernels call it (ShrinkOnAxis): bone ball c, r; the tool ball's path
-// from a to b [m].
+// Calls ShrinkBall of cutting_math.h for the kernels (type ShrinkOnAxis). c, r: bone ball; a, b: ends of the
+// tool ball's path [m].
 void ShrinkNearAxis(double* c, double* r, const double* a, const double* b, double tool_radius) {
   Vector3 center(c[0], c[1], c[2]);
   ShrinkBall(center, *r, Vector3(a[0], a[1], a[2]), Vector3(b[0], b[1], b[2]), tool_radius);
@@ -23,13 +23,13 @@ float ToMillimetres(double metres) { return static_cast<float>(1e3 * metres); }
 
 }  // namespace
 
-// Longest distance [m] of any tool ball, or of the tool's origin, between two placements.
+// Largest distance [m] that any tool ball, or the tool's origin, moves between two placements.
 double CpuEngine::Impl::LongestWay(const cpu::ToolPlacement& a, const cpu::ToolPlacement& b) const {
   return kernels.farthest(a.places(), b.places(), 0, balls.count() + 1);
 }
 
-// Data for the kernels that search the first contact on a straight path. @param longest_m  LongestWay(from,
-// to)
+// Makes the data for the kernels that search for first contact on a straight path. @param longest_m
+// LongestWay(from, to)
 cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from,
                                                   const cpu::ToolPlacement& to, double tolerance_m,
                                                   double longest_m) {
@@ -50,7 +50,8 @@ cpu::ContactPass CpuEngine::Impl::MakeContactPass(const cpu::ToolPlacement& from
           .every_row = cpu.brute_force};
 }
 
-// Fraction of the path at the first contact with any ball, not only with those of the list.
+// Returns the fraction of the path at the first contact with any ball of the bone, not only with listed
+// balls.
 double CpuEngine::Impl::FirstContactOnWay(const cpu::ContactPass& pass) const {
   double first = kNoContact;
   const cpu::Places &a = pass.from, &b = pass.to;
@@ -75,19 +76,20 @@ double CpuEngine::Impl::FirstContactOnWay(const cpu::ContactPass& pass) const {
   return first;
 }
 
-// As ReferenceEngine::Slide, from first contact.
+// Slides the tool from first contact straight towards `to`, with the result of ReferenceEngine::Slide.
 CpuEngine::Impl::Slid CpuEngine::Impl::SlideTo(const cpu::ToolPlacement& to, double tolerance_m,
                                                double max_m) {
   const double longest = LongestWay(contact, to);
   const double limit = longest > max_m ? max_m / longest : 1.0;
   const cpu::ContactPass pass = MakeContactPass(contact, to, tolerance_m, longest);
-  // contacts beyond the limit do not matter
+  // contacts beyond the limit do not matter, so do not search for them
   const double met = kernels.first_contact(pass, std::nextafter(limit, 2.0));
   const double fraction = std::min(limit, met);
   return {.fraction = fraction, .way_m = fraction * longest, .stopped = met < limit};
 }
 
-// Computes the pair of a bone ball and a tool ball at first contact, as ReferenceEngine::FindNearField does.
+// Computes the pair of a bone ball and a tool ball at first contact, with the formulas of
+// ReferenceEngine::FindNearField.
 NearPair CpuEngine::Impl::PairOf(std::size_t ball, std::size_t tool_ball) const {
   const BallState state = bone.BallAt(ball);
   const ToolBall& tool_state = tool.balls[tool_ball];
@@ -104,10 +106,11 @@ NearPair CpuEngine::Impl::PairOf(std::size_t ball, std::size_t tool_ball) const 
   return pair;
 }
 
-// As ReferenceEngine::FindNearField: the result is in `near`.
+// Computes `near`: the nearest pair of each bin, the sums about each face, and the remembered pairs
+// (ReferenceEngine::FindNearField).
 void CpuEngine::Impl::FindNearField(const Matrix3& R_GT) {
   const ContactMemory& known = memory.contact;
-  const Matrix3 bin_axes = RoundToFloat(R_GT);  // in the device's precision
+  const Matrix3 bin_axes = RoundToFloat(R_GT);  // rounded as on the GPU
   cpu::NearFieldPass pass{};
   pass.balls = bone.blocks(), pass.rows = lists.ball_rows(), pass.tool = balls.view(),
   pass.at = contact.places();
@@ -159,12 +162,12 @@ void CpuEngine::Impl::StoreNearField(const cpu::NearFieldPass& pass) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(known.pair_count); ++k) {
     NearPair& pair = near.remembered[k];
     pair = PairOf(known.pairs[k].bone_ball, known.pairs[k].tool_ball);
-    // a remembered pair that the tool has left behind no longer holds it
+    // a remembered pair whose gap has become large no longer holds the tool
     pair.present = pair.present && pair.gap_m < params.normal_enlargement_m;
   }
 }
 
-// As ReferenceEngine::MeasureEngagement.
+// Measures the area of the cutting surface in bone, by material (ReferenceEngine::MeasureEngagement).
 void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolution& solution) {
   if (solution.cutting_m <= 0.0) return;
   const Vector3 origin = contact.Origin();
@@ -184,12 +187,13 @@ void CpuEngine::Impl::MeasureEngagement(const Vector3& spindle_axis_G, FrameSolu
   }
 }
 
-// As ReferenceEngine::FirstTouchingBall: the number of the tool ball that touches first. The list is valid at
-// first contact, so it holds all pairs that touch there.
+// Returns the index of the tool ball that touches first (ReferenceEngine::FirstTouchingBall). The list is
+// valid at first contact, so it holds all pairs that touch there.
 std::size_t CpuEngine::Impl::TouchingBall(double first) {
   const double longest_m = LongestWay(start, goal), last = std::min(1.0, first + kTieTolerance_m / longest_m);
   const cpu::ContactPass pass = MakeContactPass(start, goal, 0.0, longest_m);
-  // the largest bound of a row that can have a contact on the path; the factor covers rounding to floats
+  // only rows whose bound is at most this limit can have a contact on the path; the factor covers rounding to
+  // floats
   const float limit =
       cpu.brute_force ? cpu::kNever : pass.displacement_mm + 1.000001f * pass.longest_way_mm + rounding_mm;
   std::size_t touching = balls.count();
@@ -205,7 +209,7 @@ std::size_t CpuEngine::Impl::TouchingBall(double first) {
 }
 
 // Pass 3, second half: shrinks or splits the balls in the swept volume, and clears the points in it.
-// @param only  number of the only tool ball that cuts; -1: all cut
+// @param only  index of the only tool ball that cuts; -1: all cutting balls cut
 // @param way_m  longest path of a tool ball from first contact to the frame's end
 void CpuEngine::Impl::Remove(std::int32_t only, double way_m, FrameSolution& solution) {
   const cpu::SweepView sweep{.tool = balls.view(),
@@ -252,7 +256,7 @@ void CpuEngine::Impl::FindCapsules(std::int32_t only) {
 void CpuEngine::Impl::BeginSplits(const cpu::SweepView& sweep) {
   cpu::LargeBallPass pass{};
   pass.sweep = sweep, pass.balls = bone.blocks(), pass.rows = lists.ball_rows();
-  // slightly smaller, to allow for the rounding of this value: BallSplitter decides exactly
+  // slightly smaller, because this value is rounded; BallSplitter then decides exactly
   pass.larger_than_mm = std::nextafter(ToMillimetres(split->params().min_radius_m), 0.0f);
   pass.end_block = bone.first_child_block();
   pass.ball = scratch.large.data();

@@ -1,7 +1,8 @@
 #include "simulation/engine_cpu/kernels.h"
 
-// The source for every instruction set: Highway includes this file once for each (foreach_target.h). Only x86
-// sets that differ much from each other are built; AVX3 is AVX-512.
+// Compiles the kernels for every instruction set: Highway includes this file once for each set
+// (foreach_target.h). Of the x86 sets, only those that differ much from each other are built; AVX3 is
+// AVX-512.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "simulation/engine_cpu/kernels.cpp"
@@ -53,8 +54,8 @@ namespace {
 
 HWY_EXPORT(KernelsOfTarget);
 
-// Finds the kernels for every set that the processor has, best first: in Highway, better sets have lower
-// bits.
+// Finds the kernels for every instruction set that the processor has, best first. In Highway's bit mask,
+// better sets have lower bits.
 std::vector<const Kernels*> FindKernels() {
   std::vector<const Kernels*> found;
   const std::int64_t plain = HWY_SCALAR | HWY_EMU128;
@@ -62,7 +63,7 @@ std::vector<const Kernels*> FindKernels() {
     hwy::GetChosenTarget().Update(sets & -sets);
     found.push_back(HWY_DYNAMIC_DISPATCH(KernelsOfTarget)());
   }
-  hwy::GetChosenTarget().DeInit();  // Highway chooses the best set again
+  hwy::GetChosenTarget().DeInit();  // undo the choice: Highway chooses the best set again
   return found;
 }
 

@@ -8,14 +8,15 @@ namespace osteon::simulation::cpu {
 namespace {
 
 constexpr double kEverything_mm = 1e9;  // a reach that excludes nothing
-constexpr std::size_t kMaxSlices = 32;  // frames over which a list is built, at most
-// Largest displacement of a list's tool, over the widest skin. A tool that moves to and fro within the skin
-// adds up displacement, and the larger the sum, the coarser its float.
+constexpr std::size_t kMaxSlices = 32;  // largest number of frames over which a list is built
+// A list is rebuilt at the latest when the tool's displacement since it was built reaches this multiple of
+// the widest skin. The displacement adds up while a tool moves to and fro within the skin, and a larger sum
+// is less precise as a float.
 constexpr double kMaxDisplacement = 8.0;
 
-// Skin of the cutting balls [m]. For a single one (a tenth of its radius), a wide skin costs next to nothing,
-// because far blocks are skipped by their bounds. (Shaft balls have a wider skin: they move farther when the
-// tool turns, and are mostly far from bone.)
+// Returns the skin of the cutting balls [m]. If there is only one cutting ball, the skin is wider, a tenth of
+// the ball's radius: this costs almost no time, because far blocks are skipped by their bounds. Shaft balls
+// have a wider skin still, because they move farther when the tool turns and are mostly far from bone.
 double CuttingSkin(const ToolBalls& tool) {
   if (tool.cutting_count() != 1) return 0.25e-3;
   return std::clamp(0.1e-3 * tool.max_radius_mm(), 0.2e-3, 1.0e-3);
@@ -31,7 +32,8 @@ ListKeeper::ListKeeper(const ListSources& sources, std::size_t max_rows, bool br
       shaft_skin_m_(std::max(0.8e-3, 2.0 * cutting_skin_m_)),
       lists_{NeighbourList(sources_, max_rows), NeighbourList(sources_, max_rows)} {}
 
-// Share of the skin that is used up with the tool at this placement: above 1 the list may miss pairs.
+// Returns the fraction of the skin that is used up with the tool at this placement. Above 1, the list may
+// miss pairs.
 double ListKeeper::SkinUsed(const ToolPlacement& at) const {
   const Places &was = list().built_at().places(), &is = at.places();
   const auto used = [&](const ToolBalls::Range& range, double skin_m) {
@@ -74,14 +76,14 @@ bool ListKeeper::MakeAt(const ToolPlacement& at, const FrameReach& reach) {
 void ListKeeper::MakeAhead(const ToolPlacement& at, const FrameReach& reach) {
   if (!look_ahead_) return;
   const double used = SkinUsed(at);
-  // running mean over about five frames
+  // running mean over about five frames of the skin used per frame
   used_per_frame_ += 0.2 * (std::max(0.0, used - used_before_) - used_per_frame_);
   used_before_ = used;
   // begin the next list when half of the skin is used; afterwards build one slice in each frame
   if (!next().is_begun()) {
     if (used < 0.5) return;
     Begin(1 - serving_, at, reach);
-    // the next list should be done when three quarters of the remaining skin are used
+    // the next list should be complete when three quarters of the remaining skin are used
     const double frames = used_per_frame_ > 0.0 ? 0.75 * (1.0 - used) / used_per_frame_ : kMaxSlices;
     slices_ = static_cast<std::size_t>(std::clamp<double>(frames, 1.0, kMaxSlices));
     return;

@@ -9,9 +9,10 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-// Blocks of points that are written at set-up, so that their memory pages exist before the first frame.
+// Number of blocks of points that are written at set-up, so that their memory pages exist before the first
+// frame.
 constexpr std::size_t kTouchedBlocks = 1u << 13;
-// Split balls for which memory is reserved at set-up.
+// Number of split balls for which memory is reserved at set-up.
 constexpr std::size_t kReservedSplits = 65'536;
 
 }  // namespace
@@ -65,7 +66,7 @@ void NeighbourList::Begin(const ToolPlacement& at, const ListReach& reach, const
       from_.search.Find(from_.kernels, from_.bone.point_tree, built_at_, point_reach_, true, points_);
   overflowed_ = !fits;
   if (from_.split == nullptr) return;
-  // children lie where their parent did
+  // children lie inside their parent, so they are near the tool if the parent's cluster is
   for (std::size_t i = 0; i < balls_.cluster.size(); ++i)
     from_.split->EachIn(balls_.cluster[i], [&](std::uint32_t number) {
       children_.emplace_back(number, static_cast<std::uint32_t>(i));
@@ -79,7 +80,7 @@ bool NeighbourList::all_visited() const {
 
 void NeighbourList::Continue(std::size_t ball_clusters, std::size_t point_clusters) {
   for (; ball_clusters > 0 && balls_.left() > 0 && !overflowed_; --ball_clusters) ListBallCluster();
-  // blocks of children come behind those of all parents
+  // list children only after all parents, because their blocks have higher indices
   for (; ball_clusters > 0 && balls_.left() == 0 && next_child_ < children_.size() && !overflowed_;
        --ball_clusters)
     ListChild();
@@ -126,7 +127,7 @@ void NeighbourList::ListChild() {
 void NeighbourList::AddChildren(std::uint32_t number) {
   const std::uint32_t cluster = from_.split->ParentCluster(number);
   const auto at = std::lower_bound(balls_.cluster.begin(), balls_.cluster.end(), cluster);
-  if (at == balls_.cluster.end() || *at != cluster) return;  // out of reach
+  if (at == balls_.cluster.end() || *at != cluster) return;  // the cluster is out of reach
   RowMaker maker = MakerOf(reach_);
   const auto tools = from_.search.ToolsNear(from_.kernels, from_.bone.ball_tree, balls_,
                                             static_cast<std::size_t>(at - balls_.cluster.begin()), maker);
@@ -153,7 +154,7 @@ void NeighbourList::ListPointCluster() {
   const std::uint32_t first = BoxTree::kCluster * cluster;
   const auto last =
       static_cast<std::uint32_t>(std::min<std::size_t>(bone.point_count(), first + BoxTree::kCluster));
-  std::array<std::uint32_t, kMaxMaterials> lanes{};  // used, of each material's open block
+  std::array<std::uint32_t, kMaxMaterials> lanes{};  // lanes in use in each material's open block
   for (std::uint32_t i = first; i < last; i += 8) {
     unsigned bits = from_.kernels.points_near(maker, bone.point_mm(0) + i, bone.point_mm(1) + i,
                                               bone.point_mm(2) + i, tools.data(), tools.size());
@@ -200,7 +201,7 @@ void NeighbourList::ClosePointBlock(PointList& list, std::span<const std::uint16
   ++list.block_count;
 }
 
-// Applies the splits and clearings that were noted during the build.
+// Applies the splits and clearings that were recorded during the build.
 void NeighbourList::End() {
   for (const std::uint32_t number : split_since_) AddChildren(number);
   for (const std::uint32_t point : cleared_since_) {

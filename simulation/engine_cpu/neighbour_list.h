@@ -27,9 +27,9 @@ struct PointList {
   PairRowList rows;
 };
 
-/// A Verlet neighbour list. It holds every pair of a block (eight balls or points) and a tool ball that can
-/// come within reach of each other while the tool is within the skin's thickness of the place where the list
-/// was built.
+/// A Verlet neighbour list. A pair is a block (eight balls or points) and a tool ball. The list holds every
+/// pair that can come within reach of each other while each tool ball is within the skin's thickness of its
+/// place when the list was built.
 ///
 ///     Begin(place) ─▶ Continue … ─▶ End        at once, or in slices over several frames
 ///
@@ -39,18 +39,18 @@ class NeighbourList {
   /// @param max_rows  largest number of rows of balls, and of points of each material
   NeighbourList(const ListSources& sources, std::size_t max_rows);
 
-  /// Begins to build the list. @param reach, point_reach  including the skin
+  /// Begins to build the list. @param reach, point_reach  reach for balls and for points, including the skin
   void Begin(const ToolPlacement& at, const ListReach& reach, const ListReach& point_reach);
-  /// Visits the next clusters of each kind, as many as given.
+  /// Visits the next clusters of balls and of points, at most as many as given.
   void Continue(std::size_t ball_clusters, std::size_t point_clusters);
   [[nodiscard]] bool all_visited() const;
-  /// Ends the build: applies what was noted during it.
+  /// Ends the build: applies the changes of the bone that were recorded during it.
   void End();
   void Discard() { is_begun_ = is_made_ = false; }
 
   [[nodiscard]] bool is_begun() const { return is_begun_; }
   [[nodiscard]] bool is_made() const { return is_made_; }
-  /// Whether more pairs were found than there is room for. The list is then invalid.
+  /// Whether more pairs were found than the list has room for. The list is then invalid.
   [[nodiscard]] bool overflowed() const { return overflowed_; }
   [[nodiscard]] std::size_t ball_clusters() const { return balls_.cluster.size() + children_.size(); }
   [[nodiscard]] std::size_t point_clusters() const { return points_.cluster.size(); }
@@ -63,7 +63,8 @@ class NeighbourList {
 
   /// Adds the new children of a split ball to the list.
   void AddChildren(std::uint32_t number);
-  /// Notes a point that was cleared, or a ball that was split, while the list is being built.
+  /// NoteCleared and NoteSplit record a point that was cleared, or a ball that was split, while the list is
+  /// being built.
   void NoteCleared(std::uint32_t point) { cleared_since_.push_back(point); }
   void NoteSplit(std::uint32_t number) { split_since_.push_back(number); }
 
@@ -71,12 +72,13 @@ class NeighbourList {
   // Adds the rows of some blocks of balls. @param any  set if there is any row
   void ListBlocks(std::uint32_t first_block, std::uint32_t end_block, std::span<const std::uint16_t> tools,
                   bool& any);
-  // Visit the next cluster of balls, the next split ball's children, the next cluster of points.
+  // These functions visit the next cluster of balls, the children of the next split ball, and the next
+  // cluster of points.
   void ListBallCluster();
   void ListChild();
   void ListPointCluster();
-  // Adds a point to its material's open block, and closes the block when it is full. @param lanes  of the
-  // open block, that are in use
+  // Adds a point to its material's open block, and closes the block when it is full. @param lanes  number of
+  // lanes of the open block that are in use
   void AddPoint(std::uint32_t point, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
   void ClosePointBlock(PointList& list, std::span<const std::uint16_t> tools, std::uint32_t& lanes);
   [[nodiscard]] RowMaker MakerOf(const ListReach& reach) const;
@@ -88,9 +90,9 @@ class NeighbourList {
   PairRowList ball_rows_;
   std::vector<PointList> point_lists_;  // by material
   NearClusters balls_, points_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> children_;  // number, place of the parent's cluster
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> children_;  // number; index of the parent's cluster
   std::size_t next_child_{0}, listed_points_{0};
-  std::vector<std::uint32_t> place_of_point_;  // block · 8 + lane in its material's list
+  std::vector<std::uint32_t> place_of_point_;  // block · 8 + lane of each point in its material's list
   std::vector<std::uint32_t> cleared_since_, split_since_;
   std::vector<std::uint16_t> new_tools_;
   std::vector<float> new_bounds_;

@@ -10,7 +10,7 @@ namespace {
 // first frame.
 constexpr std::size_t kTouched = 1u << 18;
 
-// Moves the elements from … end - 1 so that the first is at `to`.
+// Moves the elements from `from` to end - 1, so that the first one is at `to`.
 template <class T>
 void Move(AlignedArray<T>& a, std::size_t from, std::size_t end, std::size_t to) {
   std::memmove(a.data() + to, a.data() + from, (end - from) * sizeof(T));

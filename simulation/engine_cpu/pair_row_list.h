@@ -22,11 +22,11 @@ class PairRowList {
   [[nodiscard]] bool HasRoom(std::size_t rows) const {
     return block_count_ < block_.size() && row_count_ + rows <= tool_.size();
   }
-  /// Adds a block with `rows` rows, which were written to the free memory. @pre block is above all others,
-  /// rows > 0
+  /// Adds a block with `rows` rows, which were written to the free memory. @pre block is higher than all
+  /// blocks in the list, rows > 0
   void Add(std::uint32_t block, std::size_t rows);
   /// Replaces the rows of a block, or inserts the block; zero rows remove it.
-  /// @returns false if there is no room; nothing has changed then
+  /// @returns false if there is no room; nothing is then changed
   bool Replace(std::uint32_t block, const std::uint16_t* tools, const float* bounds, std::size_t rows);
 
   [[nodiscard]] std::size_t row_count() const { return row_count_; }

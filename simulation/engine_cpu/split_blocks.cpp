@@ -8,9 +8,9 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr std::size_t kReservedBlocks = 65'536;  // split balls for which memory is reserved at set-up
+constexpr std::size_t kReservedBlocks = 65'536;  // number of split balls with memory reserved at set-up
 
-// The balls as a new store holds them: uncut, rounded to floats.
+// Returns the uncut balls, rounded to floats, from a new store.
 std::vector<Ball> UncutBalls(const BoneStore& bone) {
   std::vector<Ball> balls;
   balls.reserve(bone.ball_count());
@@ -34,7 +34,7 @@ SplitBlocks::SplitBlocks(BoneStore& bone, const SplitParams& params)
   for (auto* list : {&parent_, &free_, &made_, &emptied_}) list->reserve(reserved);
   min_child_m_.reserve(reserved), next_in_cluster_.reserve(reserved);
   small_.reserve(8 * reserved), small_before_.reserve(8 * reserved);
-  // children of all balls that a frame splits, at a time when these are many
+  // room for the children of all balls that are split in a frame with many splits
   set_aside_.reserve(std::min<std::size_t>(reserved, 4096) * splitter_.slots());
   if (params.blocks_per_frame > 0) waiting_.reserve(reserved), waited_.reserve(reserved);
 }
@@ -57,7 +57,7 @@ void SplitBlocks::AddNumber(std::uint32_t number, std::uint32_t parent) {
   first = static_cast<std::int32_t>(number);
 }
 
-// Takes the smallest free number, as BallRemoval does. The number affects only the order of balls that are
+// Takes the smallest free number, like BallRemoval. The number only affects the order of balls that are
 // equally near.
 void SplitBlocks::TakeNumber(std::uint32_t parent) {
   std::uint32_t number = 0;
@@ -85,7 +85,7 @@ void SplitBlocks::FreeNumber(std::uint32_t number) {
 
 void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Capsule> capsules) {
   set_aside_.clear(), made_.clear(), emptied_.clear();
-  std::size_t free = params().pool_blocks - InUse();  // blocks emptied in this frame are not among them
+  std::size_t free = params().pool_blocks - InUse();  // without the blocks that this frame empties
   std::size_t may_split =
       params().blocks_per_frame > 0 ? params().blocks_per_frame : std::numeric_limits<std::size_t>::max();
   waited_.clear();
@@ -111,7 +111,7 @@ void SplitBlocks::Begin(std::span<const std::uint32_t> large, std::span<const Ca
     TakeNumber(parent);
     Visit(parent, {.parent = parent, .root = ball}, capsules, may_split);
   }
-  // the removal pass must not change these; End stores them again
+  // take these balls out of the bone, so that the removal pass does not change them; End stores them again
   for (const auto& [ball, state] : set_aside_) bone_.Remove(ball);
 }
 
@@ -141,7 +141,7 @@ void SplitBlocks::MakeChildren(const WaitingBall& waiting, std::span<const Capsu
   (any ? made_ : emptied_).push_back(number);
 }
 
-// Notes the children of a block that are below their smallest radius.
+// Adds the children of a block that are below their smallest radius to small_.
 void SplitBlocks::NoteSmallChildren(std::uint32_t block) {
   const double min_m = min_child_m_[(block - bone_.first_child_block()) / stride_];
   for (std::size_t ball = 8 * std::size_t{block}; ball < 8 * (std::size_t{block} + 1); ++ball)
@@ -149,7 +149,7 @@ void SplitBlocks::NoteSmallChildren(std::uint32_t block) {
       small_.push_back(static_cast<std::uint32_t>(ball));
 }
 
-// Notes a number whose children are all gone.
+// If all children of a number are gone, adds the number to the list of empty ones.
 void SplitBlocks::NoteIfEmpty(std::uint32_t number) {
   const bool in_use = number_of_[parent_[number]] == static_cast<std::int32_t>(number);
   if (in_use && !bone_.AnyLeft(FirstBlock(number), FirstBlock(number) + stride_)) emptied_.push_back(number);

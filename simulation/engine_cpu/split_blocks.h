@@ -18,19 +18,21 @@ namespace osteon::simulation::cpu {
 ///     the removal pass shrinks all other balls and children
 ///     touched children ─▶ End: stores the balls that were kept apart, and frees empty blocks
 ///
-/// A frame allocates memory only if a waiting ball notes another cut (SplitParams::blocks_per_frame > 0).
+/// A frame allocates memory only if a waiting ball records another cut (SplitParams::blocks_per_frame > 0).
 class SplitBlocks {
  public:
-  /// @throws std::invalid_argument naming the value of `params` that is not accepted.
+  /// Begins without split balls. @throws std::invalid_argument naming the value of `params` that is not
+  /// accepted.
   SplitBlocks(BoneStore& bone, const SplitParams& params);
 
   [[nodiscard]] const SplitParams& params() const { return splitter_.params(); }
   /// Number of blocks of eight for each split ball.
   [[nodiscard]] std::uint32_t stride() const { return stride_; }
-  /// First block of children of the split ball with this number; cluster of its parent.
+  /// FirstBlock returns the first block of children of the split ball with this number; the next function
+  /// returns the cluster of its parent.
   [[nodiscard]] std::uint32_t FirstBlock(std::uint32_t number) const;
   [[nodiscard]] std::uint32_t ParentCluster(std::uint32_t number) const;
-  /// For each number that was ever in use: radius below which its children are dropped [m].
+  /// For each number that was ever in use: radius below which its children are removed [m].
   [[nodiscard]] const double* min_child_m() const { return min_child_m_.data(); }
   /// Calls visit(number) for the split balls whose parents lie in a cluster.
   template <class Visit>
@@ -41,24 +43,26 @@ class SplitBlocks {
   }
   [[nodiscard]] bool HasAnyIn(std::uint32_t cluster) const { return first_in_cluster_[cluster] >= 0; }
   [[nodiscard]] bool any_waiting() const { return !waiting_.empty(); }
-  /// Number of requests for a block that found none free.
+  /// Number of requests for a block when none was free.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
 
   /// Decides before the removal pass which balls are split.
   /// @param large  balls that the sweep may touch and that may be too large, ascending
   void Begin(std::span<const std::uint32_t> large, std::span<const Capsule> capsules);
-  /// Stores the balls that were kept apart, drops small children and frees empty blocks, after the pass.
+  /// Call it after the removal pass. Stores the balls that were kept apart, removes small children and frees
+  /// empty blocks.
   /// @param touched  blocks of children that the pass has changed
   /// @returns the numbers that were given children in this frame, ascending; valid until the next Begin.
   std::span<const std::uint32_t> End(std::span<const std::uint32_t> touched);
 
   /// Saves the blocks in the order of their parents.
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument unless the state is of this packing and these parameters.
+  /// Checks a state. @throws std::invalid_argument unless it belongs to this packing and these parameters.
   void CheckState(const CarvedState& state) const { splitter_.CheckState(state); }
-  /// @pre CheckState has accepted it
+  /// Loads a state. @pre CheckState has accepted it
   void Load(const CarvedState& state);
-  /// Convert the indices of bone balls in the contact memory to those of a saved state, and back.
+  /// ToSaved converts the indices of bone balls in the contact memory to those of a saved state, and
+  /// FromSaved back.
   void ToSaved(ContactMemory& contact) const;
   void FromSaved(ContactMemory& contact) const;
 
@@ -80,14 +84,14 @@ class SplitBlocks {
   BoneStore& bone_;
   BallSplitter splitter_;
   std::uint32_t stride_;
-  std::vector<std::int32_t> number_of_;  // of each parent; -1: none
-  std::vector<std::uint32_t> parent_;    // of each number that was ever in use
+  std::vector<std::int32_t> number_of_;  // number of each parent; -1: none
+  std::vector<std::uint32_t> parent_;    // parent of each number that was ever in use
   std::vector<double> min_child_m_;
   std::vector<std::int32_t> first_in_cluster_, next_in_cluster_;
   std::vector<std::uint32_t> free_;            // a heap, smallest number on top
-  std::vector<WaitingBall> waiting_, waited_;  // without children yet: after this frame, and before it
+  std::vector<WaitingBall> waiting_, waited_;  // without children yet: after and before this frame
   std::uint64_t refused_{0};
-  // small_: children that rounding to floats has left too small, which are dropped when bone is next removed.
+  // small_: children that became too small by rounding to floats; they are removed when bone is removed next.
   // empty_at_load_: numbers whose children were all gone when a state was loaded.
   std::vector<std::uint32_t> small_, small_before_, empty_at_load_;
   // scratch of a frame

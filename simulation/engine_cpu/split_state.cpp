@@ -50,8 +50,8 @@ void SplitBlocks::Load(const CarvedState& state) {
   }
 }
 
-// In a saved state, the index of a child counts the bone's balls, then the slots of all split balls by rising
-// parent. Pairs whose ball is not saved are dropped.
+// In a saved state, balls are counted in this order: the bone's balls, then the slots of all split balls by
+// rising parent. Pairs whose ball is not saved are removed.
 void SplitBlocks::ToSaved(ContactMemory& contact) const {
   const std::int32_t count = std::exchange(contact.pair_count, 0),
                      held = std::exchange(contact.held_count, 0);

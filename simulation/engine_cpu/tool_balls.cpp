@@ -9,9 +9,9 @@
 namespace osteon::simulation::cpu {
 namespace {
 
-constexpr std::size_t kMaxGroup = 16;  // balls
+constexpr std::size_t kMaxGroup = 16;  // largest number of balls in a group
 
-// Number of places of the balls and T's origin, rounded up to whole vectors of eight.
+// Number of tool balls plus one for T's origin, rounded up to whole vectors of eight.
 std::size_t Padded(std::size_t tool_balls) { return (tool_balls + 1 + 7) / 8 * 8; }
 
 }  // namespace
@@ -62,8 +62,8 @@ ToolBalls::ToolBalls(const Tool& tool) {
   AddGroups(tool, std::move(shaft), false);
 }
 
-// Halves the members along their box's longest side until a group has few balls and its box is not larger
-// than its largest ball.
+// Halves the members along the longest side of their box, until each group has at most kMaxGroup balls and a
+// box that is not larger than its largest ball.
 void ToolBalls::AddGroups(const Tool& tool, std::vector<std::uint16_t> members, bool cutting) {
   if (members.empty()) return;
   Eigen::AlignedBox3d box;

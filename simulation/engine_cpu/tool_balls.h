@@ -30,9 +30,9 @@ class ToolPlacement {
   Places places_{};
 };
 
-/// At most 16 neighbouring tool balls of one kind. A search for pairs first finds what is near a group.
+/// At most 16 neighbouring tool balls of one kind. A search for pairs first finds the bone near each group.
 struct ToolGroup {
-  std::vector<std::uint16_t> members;  ///< ascending
+  std::vector<std::uint16_t> members;  ///< indices of tool balls, ascending
   bool cutting{true};
 };
 
@@ -46,14 +46,15 @@ class ToolBalls {
   [[nodiscard]] const std::vector<ToolGroup>& groups() const { return groups_; }
   [[nodiscard]] double max_radius_mm() const { return max_radius_mm_; }
   [[nodiscard]] std::size_t cutting_count() const { return cutting_count_; }
-  /// Range of ball numbers that contains all balls of a kind, end excluded; it may contain others as well.
+  /// Range of ball indices, end excluded, that contains all balls of a kind (cutting or shaft). It may
+  /// contain balls of the other kind as well.
   struct Range {
     std::uint32_t first{0}, end{0};
   };
   [[nodiscard]] const Range& cutting() const { return cutting_; }
   [[nodiscard]] const Range& shaft() const { return shaft_; }
 
-  /// Computes view().rounding_mm: the rounding error that a gap in floats may have, for each tool ball in a
+  /// Computes view().rounding_mm: for each tool ball, the largest rounding error of a gap in floats, in a
   /// frame between two placements.
   /// @param reach_mm  largest gap that is compared
   /// @returns the largest of these errors [mm]

@@ -11,11 +11,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTouch = 1e-9;      // points nearer than this [m] count as inside
-constexpr double kProbeStop = 1e-7;  // a probe this near [m] touches
-constexpr int kSamplesPerCell = 2;   // two: their difference gives the standard error
+constexpr double kTouch = 1e-9;      // points outside a shape, but nearer than this [m], count as inside
+constexpr double kProbeStop = 1e-7;  // a probe this near to bone [m] touches it
+constexpr int kSamplesPerCell = 2;   // two, because their difference gives the standard error
 
-/// Zone of fine cells: both sides of the swept volume's surface.
+/// Zone of fine cells, on both sides of the swept volume's surface.
 class SweepZone final : public CutZone {
  public:
   explicit SweepZone(const SweptTool& swept) : swept_(swept) {}
@@ -27,7 +27,8 @@ class SweepZone final : public CutZone {
   const SweptTool& swept_;
 };
 
-/// Divides the solid: cells of side h up to 4 h from the swept surface, cells of 2 h up to 8 h …
+/// Divides the solid into cells: of side h up to a distance of 4 h from the swept surface, of side 2 h up to
+/// 8 h, and so on.
 std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double finest_m, int threads) {
   GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
   for (int level = 1; level <= 3; ++level)
@@ -35,17 +36,17 @@ std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double
   return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
 }
 
-/// Results of one cell's samples. The counts: bone lost outside the sweep, solid in the sweep, bone left in
-/// the sweep, and solid within a layer of the sweep's surface.
+/// Results of one cell's samples. Samples are counted in four classes: bone lost outside the sweep, solid in
+/// the sweep, bone left in the sweep, and solid in a layer at the sweep's surface.
 struct CellFinds {
   std::uint8_t lost{0}, swept{0}, left{0}, at_surface{0};
   double left_depth_m{0.0};
   bool has_place{false};
-  Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // on the exact cut, for probes
-  double tool_radius_m{0.0};                                     // tool radius of the cut there
+  Vector3 place_m{Vector3::Zero()}, into_bone{Vector3::Zero()};  // place on the exact cut, for probes
+  double tool_radius_m{0.0};                                     // radius of the tool that cut this place
 };
 
-/// Takes random samples in a cell, and tells for each what the cut did to the bone there.
+/// Takes random samples in a cell, and determines for each sample how the cut changed the bone there.
 class Sampler {
  public:
   Sampler(const Solid& solid, const CarvedShape& before, const CarvedShape& after, const SweptTool& swept,
@@ -82,7 +83,7 @@ class Sampler {
   }
 
  private:
-  // Whether the place is in the shape.
+  // Whether the point is in the shape.
   static bool Holds(const CarvedShape& shape, const Vector3& p) { return shape.Distance(p, kTouch) < kTouch; }
 
   const Solid& solid_;
@@ -100,8 +101,8 @@ std::vector<CellFinds> SampleSweepCells(const std::vector<Cell>& cells, const Sa
   return finds;
 }
 
-/// Distance that a probe moves from the exact cut into the bone until it touches. Found by sphere tracing: a
-/// step as long as the present clearance cannot hit anything.
+/// Distance that a probe ball moves from the exact cut into the bone until it touches bone. It is found by
+/// sphere tracing: a step as long as the present clearance cannot pass through bone.
 double GapAt(const CarvedShape& shape, const CellFinds& at, double radius_m, double deepest_m) {
   const Vector3 start = at.place_m - radius_m * at.into_bone;
   double gap = 0.0;
@@ -135,8 +136,8 @@ ProbeGap MeasureProbeGap(const CarvedShape& shape, const std::vector<const CellF
   return felt;
 }
 
-/// Area of the swept volume's surface within the solid: volume of the samples nearer than `layer_m` to it,
-/// over the layer's thickness on both sides.
+/// Area of the swept volume's surface within the solid: volume of the samples that are nearer than `layer_m`
+/// to the surface, divided by the thickness of this layer, 2 layer_m.
 double AreaOf(const std::vector<Cell>& cells, const std::vector<CellFinds>& finds, double layer_m) {
   double volume = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -153,7 +154,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
   const Eigen::AlignedBox3d box = swept.Bounds().intersection(solid.Bounds());
   if (swept.empty() || box.isEmpty()) throw std::invalid_argument("accuracy: nothing was swept");
 
-  // a coarse measurement of the cut's area gives the size of the cells
+  // first measure the cut's area coarsely, to choose the size of the cells
   const double coarse_m = box.sizes().maxCoeff() / 40.0;
   std::vector<Cell> cells = CellsAround(solid, swept, coarse_m, params.threads);
   std::vector<CellFinds> finds =
@@ -176,7 +177,7 @@ CutAccuracy MeasureCut(const Solid& solid, const CarvedShape& before, const Carv
     result.swept_volume_m3 += share * found.swept;
     result.left_volume_m3 += share * found.left;
     result.left_depth_m = std::max(result.left_depth_m, found.left_depth_m);
-    if (found.lost == 1) variance += share * share;  // var of share (a + b): share^2 (a - b)^2
+    if (found.lost == 1) variance += share * share;  // variance of share (a + b): share^2 (a - b)^2
     if (found.has_place) places.push_back(&found);
   }
   if (result.cut_area_m2 > 0.0) {

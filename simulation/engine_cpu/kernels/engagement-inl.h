@@ -1,4 +1,4 @@
-// Pass 3: area of the cutting surface that lies in bone, from the mass points within a layer of it.
+// Pass 3: area of the cutting surface that lies in bone, from the mass points in a layer at this surface.
 #if defined(OSTEON_CPU_ENGAGEMENT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_ENGAGEMENT_INL_H
 #undef OSTEON_CPU_ENGAGEMENT_INL_H
@@ -15,12 +15,13 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// Collects the points that may be engaged, each with its nearest cutting ball, and sums them exactly, to the
-// bits of ReferenceEngine::MeasureEngagement.
+// Collects the points that may be engaged, each with its nearest cutting ball, and adds up their areas with
+// the same bits as ReferenceEngine::MeasureEngagement.
 class EngagedPoints {
  public:
   explicit EngagedPoints(EngagementPass& pass) : e_(pass) {}
-  // Adds those lanes of a block whose points may be engaged. @param tools  nearest cutting ball of each point
+  // Adds the points of those lanes of a block that may be engaged. @param tools  nearest cutting ball of each
+  // point
   HWY_INLINE void Add(std::uint32_t block, const F3& p, const U8& tools, const MF& lanes) {
     if (count_ > kChunk - kLanes) AddUp();
     const std::uint32_t i = count_;
@@ -32,8 +33,8 @@ class EngagedPoints {
   void AddUp();
 
  private:
-  static constexpr std::uint32_t kChunk = 256;  // points that are measured together
-  // distance of two blocks' areas in memory [doubles]
+  static constexpr std::uint32_t kChunk = 256;  // number of points that are measured together
+  // distance in memory from one block's areas to the next block's [doubles]
   static constexpr std::uint32_t kAreaStride = sizeof(PointBlock) / sizeof(double);
   void Measure(std::uint32_t i, bool one_tool);
 
@@ -41,7 +42,7 @@ class EngagedPoints {
   std::uint32_t count_{0};
   alignas(64) float x_[kChunk + kLanes], y_[kChunk + kLanes], z_[kChunk + kLanes];
   alignas(64) double area_m2_[kChunk + kLanes], moment_m3_[kChunk + kLanes];
-  std::uint32_t place_[kChunk + kLanes];  // of the point's area [doubles], from the first block's areas
+  std::uint32_t place_[kChunk + kLanes];  // offset of the point's area from the first block's areas [doubles]
   std::uint32_t tool_[kChunk + kLanes];
 };
 
@@ -80,7 +81,8 @@ inline void EngagedPoints::AddUp() {
   count_ = 0;
 }
 
-// Finds in doubles the nearest cutting ball of one point, where floats cannot tell it.
+// Finds in doubles the nearest cutting ball of one point. Called if floats cannot decide which ball is
+// nearest.
 // @returns -1 if no ball is within the layer
 inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& block, unsigned k,
                                    std::uint32_t b) {
@@ -98,8 +100,9 @@ inline std::int32_t ExactlyNearest(const EngagementPass& e, const PointBlock& bl
   return nearest_ball;
 }
 
-// Whether the tool's surface may face the bone at a point, -n · out > 0. False only if floats are certain:
-// the product's error is that of the tool ball's place, plus a few u |out| for n, products and sums.
+// Whether the tool's surface at a point may face the bone: -n · out > 0, with n the contact normal and out
+// the vector from the tool ball's centre to the point. False only if floats are certain. The product's error
+// is the error of the tool ball's place, plus a few u |out| for n, products and sums (u = 2^-24).
 HWY_INLINE MF MayFace(const EngagementPass& e, const F3& out, const F8& distance) {
   const F3 n{F(static_cast<float>(e.n[0])), F(static_cast<float>(e.n[1])), F(static_cast<float>(e.n[2]))};
   return Dot(n, out) < MulAdd(distance, F(kDirectionRounding), F(e.rounding_mm));
@@ -117,8 +120,8 @@ HWY_INLINE void EngageOneRow(const EngagementPass& e, std::uint32_t b, EngagedPo
   if (Bits(candidates) != 0) engaged.Add(e.rows.block[b], p, U(t), candidates);
 }
 
-// Examines a block with several rows. Floats find each point's nearest tool ball; doubles decide if the
-// second nearest ball, or the layer's inner border, is too close for floats to tell.
+// Examines a block with several rows. Floats find each point's nearest tool ball; doubles decide if two balls
+// are nearly equally near, or if the point is too close to the layer's inner border.
 HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit, EngagedPoints& engaged) {
   const PointBlock& block = e.points[e.rows.block[b]];
   const F3 p = CentersOf(block);
@@ -156,9 +159,10 @@ HWY_INLINE void EngageRows(const EngagementPass& e, std::uint32_t b, float limit
   engaged.Add(e.rows.block[b], p, Load(tools), MaskF(candidates));
 }
 
-// ReferenceEngine::MeasureEngagement for the points of one material, to the same bits.
+// Does ReferenceEngine::MeasureEngagement for the points of one material, with the same bits as result.
 inline void MeasureEngagement(EngagementPass& pass) {
-  // this copy stays in registers; the compiler assumes that stores of vectors may change `pass`
+  // copy the data, so that they stay in registers: the compiler assumes that stores of vectors may change
+  // `pass`
   const EngagementPass e = pass;
   EngagedPoints engaged(pass);
   const float limit = LimitOf(e.every_row, e.displacement_mm + e.layer_mm + e.rounding_mm);

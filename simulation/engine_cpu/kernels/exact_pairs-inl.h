@@ -1,4 +1,5 @@
-// Pass 2, the nearest pair in each bin of direction: computes exactly the few pairs that floats leave.
+// Pass 2, the nearest pair in each bin of direction: computes in doubles the few pairs that floats could not
+// exclude.
 #if defined(OSTEON_CPU_EXACT_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_EXACT_PAIRS_INL_H
 #undef OSTEON_CPU_EXACT_PAIRS_INL_H
@@ -15,12 +16,14 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// The result of FindBin for eight directions: axis, sign, and thirds of the cube's face.
+// The result of FindBin for eight directions: axis and sign give the cube's face, thirds give the bin on the
+// face.
 struct ExactBins {
-  D8 cutting_off, shaft_off;  // 1 - cosine to the bin's middle, for balls that cut, and for the others
+  D8 cutting_off, shaft_off;  // 1 - cosine to the bin's centre, for cutting and for other balls
   unsigned x, y, negative, low1, high1, low2, high2;
 
-  // Number of lane k's bin: nine for each face of the cube for balls that cut, then one for each face.
+  // Returns the bin's number for lane k. Balls that cut have nine bins for each face of the cube; then
+  // follows one bin for each face for the other balls.
   HWY_INLINE unsigned Number(unsigned k, bool cutting) const {
     const auto at = [k](unsigned bits) { return bits >> k & 1u; };
     const unsigned axis = at(x) != 0 ? 0 : at(y) != 0 ? 1 : 2, face = 2 * axis + at(negative);
@@ -34,7 +37,7 @@ struct ExactBins {
     return 9 * face + 3 * i + j;
   }
 };
-// FindBin of contact_law.h for eight directions u in T.
+// Does FindBin of contact_law.h for eight directions u in T.
 HWY_INLINE ExactBins FindExactBins(const D3& u) {
   const D8 size_x = Abs(u.x), size_y = Abs(u.y), size_z = Abs(u.z), zero = D(0.0), three = D(3.0);
   const MD x = (size_x >= size_y) & (size_x >= size_z), y = (!x) & (size_y >= size_z);
@@ -47,7 +50,8 @@ HWY_INLINE ExactBins FindExactBins(const D3& u) {
   const D8 side =
       Select(low1, zero - b, Select(high1, b, zero)) + Select(low2, zero - c, Select(high2, c, zero));
   const D8 along = edge + D(2.0 / 3.0) * side;
-  // length of the vector to the centre of a bin that is a third off the face's middle in `off` directions
+  // length of the vector to a bin's centre; in `off` of the two directions on the face, the bin is an outer
+  // third
   const auto length = [](int off) HWY_ATTR { return D(std::sqrt(1.0 + 4.0 / 9.0 * off)); };
   const MD off1 = low1 | high1, off2 = low2 | high2;
   const D8 middle = Select(off1 & off2, length(2), Select(off1 | off2, length(1), length(0)));
@@ -67,7 +71,7 @@ HWY_INLINE D8 AlongAxis(const NearFieldPass& p, int c, const D3& n) {
   return (D(p.axes[3 * c]) * n.x + D(p.axes[3 * c + 1]) * n.y) + D(p.axes[3 * c + 2]) * n.z;
 }
 
-// Finds the nearest pair of each bin by FindBin and Nearer of contact_law.h, to the same bits.
+// Finds the nearest pair of each bin by FindBin and Nearer of contact_law.h, with the same bits.
 inline void FindNearestPairs(NearFieldPass& p, std::size_t count) {
   for (std::size_t i = 0; i < count; i += 8) {
     const unsigned valid = FirstBits(count - i);

@@ -1,4 +1,5 @@
-// Pass 2, the sums about each face's normal: pairs in a face's cone, listed in floats and summed exactly.
+// Pass 2, the sums about each face's normal: pairs in a face's cone are found in floats and added up in
+// doubles.
 #if defined(OSTEON_CPU_FACE_SUMS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_FACE_SUMS_INL_H
 #undef OSTEON_CPU_FACE_SUMS_INL_H
@@ -18,12 +19,12 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// LensVolume of cutting_math.h, at most max_lens_m3, to the same bits.
+// Returns LensVolume of cutting_math.h, limited to max_lens_m3, with the same bits.
 HWY_INLINE D8 LensOf(const NearFieldPass& p, const D8& r1, const D8& r2, const D8& d) {
   const D8 dr = r1 - r2, sum = r1 + r2, overlap = sum - d;
   D8 v =
       D(std::numbers::pi) * overlap * overlap * (d * d + D(2.0) * d * sum - D(3.0) * dr * dr) / (D(12.0) * d);
-  // where one ball lies within the other, the lens is the whole smaller ball
+  // if one ball lies within the other, the lens is the whole smaller ball
   unsigned swallowed = Bits(d <= Abs(dr));
   if (swallowed != 0) {
     double value[8], lesser[8];
@@ -38,15 +39,16 @@ HWY_INLINE D8 LensOf(const NearFieldPass& p, const D8& r1, const D8& r2, const D
   return Select(D(p.max_lens_m3) < v, D(p.max_lens_m3), v);
 }
 
-// The list of pairs that may lie in a cone, and their sums. The bits of a sum depend on the order of its
-// pairs, which is by rising ball, then tool ball.
+// The list of pairs that may lie in a cone, and their sums. The pairs are added by rising bone ball, then by
+// rising tool ball, because the bits of a sum depend on the order.
 class FaceSums {
  public:
   explicit FaceSums(NearFieldPass& pass)
       : p_(pass), in_order_(pass.rows.first[pass.rows.block_count] == pass.rows.block_count) {
     for (std::size_t f = 0; f < kFaceCount; ++f) sums_[f] = Load(p_.sums[f]);
   }
-  // Adds the pairs of sixteen lanes. Pairs arrive by rising block, then tool ball, then ball.
+  // Adds the pairs of sixteen lanes. They must arrive by rising block, then by rising tool ball, then by
+  // rising ball.
   HWY_INLINE void Add(const std::uint32_t* place, const std::uint32_t* tool, unsigned lanes) {
     using V = Vector<std::uint32_t, 16>;
     if (count_ >= kConeCapacity) AddUp(SortBlocks(BeginOfLastBlock()));
@@ -61,13 +63,13 @@ class FaceSums {
   }
 
  private:
-  // Eight pairs, with the results that one step of AddUp hands to the next.
+  // Eight pairs, with the results that one step of AddUp passes to the next.
   struct alignas(64) Group {
-    double x[8], y[8], z[8], d[8], r[8], R[8];  // from bone to tool, then unit; distance; radii
+    double x[8], y[8], z[8], d[8], r[8], R[8];  // vector from bone to tool, later made unit; distance; radii
     double center_x[8], center_y[8], center_z[8], lens[8], weight[kFaceCount][8];
     unsigned counts, in_face;
   };
-  static constexpr std::size_t kGroups = 8;  // that AddUp takes together
+  static constexpr std::size_t kGroups = 8;  // number of groups that AddUp computes together
 
   // A place is 32 · block + lane (BallAtPlace).
   std::size_t BeginOfLastBlock() const;
@@ -79,9 +81,9 @@ class FaceSums {
   void Sum(const Group& g);
 
   NearFieldPass& p_;
-  bool in_order_;  // every block has a single row, so its pairs arrive in order
+  bool in_order_;  // true: every block has a single row, so the pairs arrive in order
   std::size_t count_{0};
-  D8 sums_[kFaceCount];  // weight, n, centre in T, radius
+  D8 sums_[kFaceCount];  // for each face: sums of weight, n, centre in T, radius
 };
 
 // Index in the list of the first pair of the last pair's block: this block may not be complete yet.
@@ -118,8 +120,8 @@ inline void FaceSums::SortBlock(std::size_t begin, std::size_t end) {
   std::copy(p_.block_tool, p_.block_tool + (end - begin), p_.cone_tool + begin);
 }
 
-// Adds up the pairs before `end`; those behind it stay in the list. Each step is a loop of its own: roots and
-// quotients of several groups then hide each other's latency.
+// Adds up the pairs before `end`; the pairs from `end` on stay in the list. Each step is a loop over several
+// groups, so that their roots and quotients hide each other's latency.
 inline void FaceSums::AddUp(std::size_t end) {
   Group groups[kGroups];
   for (std::size_t i = 0; i < end; i += kLanes * kGroups) {
@@ -134,7 +136,7 @@ inline void FaceSums::AddUp(std::size_t end) {
 }
 
 // Loads eight pairs of the list from `first` on, with their distances and whether they are near enough to
-// count.
+// have a weight.
 HWY_INLINE void FaceSums::Measure(std::size_t first, std::size_t end, Group* group) {
   const unsigned valid = FirstBits(end - first);
   const Pairs pair = LoadPairs(p_, p_.cone_place + first, p_.cone_tool + first, valid);
@@ -166,7 +168,7 @@ HWY_INLINE void FaceSums::Weigh(Group& g) const {
   Store(g.z, Select(counts, n.z, zero));
 }
 
-// FaceSums::Add of contact_law.h for eight pairs, one after the other, to the same bits.
+// Does FaceSums::Add of contact_law.h for eight pairs, one after the other, with the same bits.
 HWY_INLINE void FaceSums::Sum(const Group& g) {
   if (g.in_face == 0) return;
   D8 terms[8] = {D(1.0),           Load(g.x),        Load(g.y),        Load(g.z),

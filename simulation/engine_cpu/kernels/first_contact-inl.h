@@ -1,4 +1,4 @@
-// Pass 1 and the slide: where the tool first meets a ball.
+// Pass 1 and the slide: finds the fraction of the path at which the tool first meets a bone ball.
 #if defined(OSTEON_CPU_FIRST_CONTACT_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_FIRST_CONTACT_INL_H
 #undef OSTEON_CPU_FIRST_CONTACT_INL_H
@@ -14,9 +14,9 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr double kNoContactFraction = 2.0;  // a path without contact; real fractions are at most 1
+constexpr double kNoContactFraction = 2.0;  // means: no contact on the path; real fractions are at most 1
 
-// FirstContactFraction of cutting_math.h, to the same bits.
+// Does FirstContactFraction of cutting_math.h for one pair, with the same bits.
 inline double PairContact(const ContactPass& p, std::uint32_t ball, std::uint32_t t) {
   const BallBlock& b = p.balls[ball / 8];
   const unsigned k = ball % 8;
@@ -35,13 +35,16 @@ inline double PairContact(const ContactPass& p, std::uint32_t ball, std::uint32_
   return s <= 1.0 ? s : kNoContactFraction;
 }
 
-// Returns the lanes whose balls may be met before the fraction `first` of the way m. The distance |D - s m|
-// is a convex function of s, so it stays above its tangent at 0: it can reach R + r only where
+// Returns the lanes whose bone balls the tool ball may meet before the fraction `first` of its path m. D is
+// the vector from the tool ball to the bone ball at the path's start, d its length, R and r are the radii,
+// and s is the fraction. The distance |D - s m| is a convex function of s, so it stays above its tangent at s
+// = 0. It can reach R + r only if
 //
 //     gap d <= s (D·m)          with gap = d - R - r
 //
-// The error of gap is at most the tool ball's rounding error. The error of D·m is at most that times |m|,
-// plus 5 u d |m| for m, products and sums; the margin 1e-5 d |m| covers the latter and the rounding of gap d.
+// The error of gap is at most the tool ball's rounding error. The error of D·m is at most this rounding error
+// times |m|, plus 5 u d |m| for m, products and sums (u = 2^-24). The margin 1e-5 d |m| covers the second
+// term and the rounding of gap d.
 HWY_INLINE unsigned MayMeet(const ContactPass& p, const BallBlock& b, unsigned t, double first) {
   const F3 from = CentersOf(b) - At(p.from, t);
   const F3 m{F(p.way_x_mm[t]), F(p.way_y_mm[t]), F(p.way_z_mm[t])};
@@ -53,7 +56,8 @@ HWY_INLINE unsigned MayMeet(const ContactPass& p, const BallBlock& b, unsigned t
   return Bits((r > F(0.0f)) & (gap * d < fraction * along) & (along > F(0.0f)));
 }
 
-// Smallest fraction at which tool ball t meets a ball of the block, if below `first`; else `first`.
+// Returns the smallest fraction at which tool ball t meets a ball of the block, if it is below `first`; else
+// `first`.
 inline double BlockContact(const ContactPass& p, std::uint32_t block, std::uint32_t t, double first) {
   unsigned bits = MayMeet(p, p.balls[block], t, first);
   for (; bits != 0; bits &= bits - 1) {
@@ -63,15 +67,17 @@ inline double BlockContact(const ContactPass& p, std::uint32_t block, std::uint3
   return first;
 }
 
-// Returns the limit for the rows' bounds: the gap that the tool can close before the fraction `first` of its
-// way, plus the displacement since the list was built.
+// Returns the limit for the rows' bounds: rows with a larger bound cannot have a contact before the fraction
+// `first`. The limit is the gap that the tool can close on its path up to `first`, plus the displacement
+// since the list was built.
 HWY_INLINE float ContactLimit(const ContactPass& p, double first) {
   const float fraction = static_cast<float>(first > 1.0 ? 1.0 : first) * 1.000001f;
   return LimitOf(p.every_row,
                  p.displacement_mm + fraction * p.longest_way_mm - p.tolerance_mm + p.rounding_mm);
 }
 
-// The same for all rows of the list. Each contact found lowers the limit for the remaining rows.
+// Does the search of BlockContact for all rows of the list. Each contact found lowers the limit for the
+// remaining rows.
 inline double FirstContact(const ContactPass& p, double first) {
   float limit = ContactLimit(p, first);
   std::uint32_t b = 0, row = 0;

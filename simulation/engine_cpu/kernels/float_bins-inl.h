@@ -1,4 +1,4 @@
-// Computes bins of direction in floats, and how certain they are.
+// Computes bins of direction in floats, and how certain the results are.
 #if defined(OSTEON_CPU_FLOAT_BINS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_FLOAT_BINS_INL_H
 #undef OSTEON_CPU_FLOAT_BINS_INL_H
@@ -17,8 +17,8 @@ namespace HWY_NAMESPACE {
 template <class V>
 struct FloatBins {
   V number;      // a whole number
-  V off_centre;  // 1 - cosine
-  V inside;      // distance to the border of another bin: the smallest difference in the comparisons
+  V off_centre;  // 1 - cosine of the angle to the bin's centre
+  V inside;      // distance to the bin's border: smallest difference in a comparison
 };
 
 // Finds the bins of the directions (ux, uy, uz) in T. @param cutting  whether the tool balls cut
@@ -37,7 +37,7 @@ HWY_INLINE FloatBins<V> FindFloatBins(V ux, V uy, V uz, bool cutting) {
   const V i = Select(off1, Select(b < zero, zero, Like(ux, 2.0f)), one),
           j = Select(off2, Select(c < zero, zero, Like(ux, 2.0f)), one);
   const V along = MulAdd(Like(ux, 2.0f / 3.0f), Select(off1, size1, zero) + Select(off2, size2, zero), edge);
-  // 1 / √(1 + 4/9 n) for n thirds off the middle
+  // 1 / √(1 + 4/9 n), with n the number of directions on the face in which the bin is an outer third
   const V per_length =
       Select(off1 & off2, Like(ux, 0.72760688f), Select(off1 | off2, Like(ux, 0.83205029f), one));
   const V number = MulAdd(Like(ux, 9.0f), face, MulAdd(Like(ux, 3.0f), i, j));
@@ -45,7 +45,8 @@ HWY_INLINE FloatBins<V> FindFloatBins(V ux, V uy, V uz, bool cutting) {
 }
 
 // Holds a float for each of 64 bins, which At looks up by the bins' numbers. The table is kept in registers
-// if they are wide enough: a gather of sixteen floats takes as long as finding the bins (Zen 4).
+// if these are wide enough, because gathering sixteen floats from memory takes as long as finding the bins
+// (Zen 4).
 class BinTable {
  public:
 #if HWY_TARGET == HWY_AVX3
@@ -88,10 +89,11 @@ class BinTable {
 #endif
 };
 
-// FindFloatBins compares components with each other, and three times a component with another one. A
-// difference is wrong by at most four times a direction's error (rounding.h), plus its own rounding.
+// FindFloatBins compares components with each other, and three times a component with another one. The error
+// of such a difference is at most four times a direction's error (rounding.h), plus its own rounding.
 constexpr float kBinRounding = 4.0f * kDirectionRounding + 0x1p-21f;
-// Error of the cosine of two unit vectors: both have errors in length and direction, the face's normal √3 u.
+// Largest error of the cosine between a pair's direction and a face's normal. Both have errors in length and
+// direction; that of the normal is √3 u (u = 2^-24).
 constexpr float kConeRounding = 2.0f * kDirectionRounding;
 
 }  // namespace HWY_NAMESPACE

@@ -17,7 +17,7 @@ namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One vector of N lanes, which the instruction set has.
+// A single vector of N lanes, for instruction sets that have such a vector.
 template <class T, std::size_t N>
 struct One {
   using Tag = hn::CappedTag<T, N>;
@@ -28,13 +28,13 @@ struct OneMask {
   using Tag = hn::CappedTag<T, N>;
   hn::Mask<Tag> m;
 };
-// Two halves, each one vector or two halves.
+// A vector made of two halves. Each half is one vector, or again two halves.
 template <class Half>
 struct Two {
   Half a, b;
 };
 
-// Whether the instruction set has a vector of N lanes. If it has none, Choose halves the lanes until it has.
+// Whether the instruction set has a vector of N lanes. If not, Choose halves N until it has one.
 template <class T, std::size_t N>
 inline constexpr bool kFits = hn::MaxLanes(hn::CappedTag<T, N>()) >= N;
 template <class T, std::size_t N, bool fits>
@@ -61,7 +61,7 @@ using MF = MaskOf<float, 8>;
 using MU = MaskOf<std::uint32_t, 8>;
 using MD = MaskOf<double, 8>;
 
-// Size and mask of a vector.
+// Number of lanes and mask type of a vector type.
 template <class V>
 struct Traits;
 template <class T, std::size_t N>
@@ -89,7 +89,7 @@ struct MaskTraits<Two<H>> {
 
 // ---- making, loading and storing vectors
 
-// Of: all lanes have the value x. From: loads the lanes from memory.
+// Make<V>::Of sets all lanes to the value x; Make<V>::From loads the lanes from memory.
 template <class V>
 struct Make;
 template <class T, std::size_t N>
@@ -106,7 +106,7 @@ struct Make<Two<H>> {
     return {Make<H>::From(p), Make<H>::From(p + Traits<H>::kSize)};
   }
 };
-// Type of the single vectors that a wider one consists of.
+// Type of the single vectors of which a wider vector consists.
 template <class V>
 struct PieceOf {
   using Type = V;
@@ -170,8 +170,8 @@ OSTEON_UNARY(Abs, Abs)
 OSTEON_UNARY(Negative, Neg)
 #undef OSTEON_UNARY
 
-// Fused multiply-add, if the processor has it: for floats, which only exclude pairs, and for quotients, which
-// are exact either way.
+// Fused multiply-add, if the processor has it. It is used only for floats, which only exclude pairs, and for
+// quotients, which get the same bits with and without it.
 #define OSTEON_FUSED(name, highway)                                  \
   template <class T, std::size_t N>                                  \
   HWY_INLINE One<T, N> name(One<T, N> a, One<T, N> b, One<T, N> c) { \
@@ -216,7 +216,7 @@ template <class T, std::size_t N>
 HWY_INLINE OneMask<T, N> operator!(OneMask<T, N> a) {
   return {hn::Not(a.m)};
 }
-// A bit for each lane of a mask.
+// Returns a bit for each lane of a mask.
 template <class T, std::size_t N>
 HWY_INLINE unsigned Bits(OneMask<T, N> a) {
   std::uint8_t bytes[8] = {};
@@ -244,7 +244,7 @@ HWY_INLINE unsigned Bits(Two<H> a) {
   return Bits(a.a) | Bits(a.b) << MaskTraits<H>::kSize;
 }
 
-// The mask with these bits, one for each lane.
+// Makes the mask with these bits, one for each lane.
 template <class M>
 struct FromBits;
 template <class T, std::size_t N>
@@ -273,7 +273,7 @@ HWY_INLINE Two<H> Select(typename Traits<Two<H>>::Mask m, Two<H> yes, Two<H> no)
   return {Select(m.a, yes.a, no.a), Select(m.b, yes.b, no.b)};
 }
 
-// Smallest lane.
+// Returns the smallest lane.
 template <std::size_t N>
 HWY_INLINE float Least(One<float, N> a) {
   return hn::GetLane(hn::MinOfLanes(hn::CappedTag<float, N>(), a.v));
@@ -321,15 +321,15 @@ struct Convert<Two<H>> {
   }
 #endif
 };
-// the same values as doubles; the values rounded to floats
+// ToD converts floats to doubles exactly; ToF rounds doubles to floats
 HWY_INLINE D8 ToD(F8 a) { return Convert<D8>::Of(a); }
 HWY_INLINE F8 ToF(D8 a) { return Convert<F8>::Of(a); }
 
 // ---- gathering lanes from a table, and packing lanes
 
-// Loads base[index[k]] into each lane k. With AVX2 and AVX-512, each lane is loaded by itself: the
-// processor's gather instructions take longer (on Zen 4, the near field of a seated reamer takes 133 us with
-// them, 117 us without).
+// Loads base[index[k]] into each lane k. With AVX2 and AVX-512, each lane is loaded separately, because the
+// processor's gather instructions take longer: on Zen 4, the near field of a seated reamer takes 133 us with
+// them and 117 us without.
 template <class T, std::size_t N>
 HWY_INLINE void GatherInto(One<T, N>& to, const T* base, const std::uint32_t* index) {
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
@@ -368,14 +368,14 @@ HWY_INLINE D8 Gather(const double* base, const std::uint32_t* index) {
   return to;
 }
 
-// first, first + 1, …
+// Returns the lanes first, first + 1, …
 HWY_INLINE U8 LaneNumbers(std::uint32_t first) {
   constexpr std::uint32_t kNumbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   return Load(kNumbers) + U(first);
 }
 
-// For each mask of N lanes, the numbers of its lanes one after the other. Highway's own tables are local to
-// its functions (1.0.3), and GCC 12 copies such a table to the stack at every use: 1 KiB with AVX2.
+// For each mask of N lanes, the numbers of its set lanes one after the other. Highway's own tables are local
+// to its functions (1.0.3), and GCC 12 copies such a table to the stack at every use: 1 KiB with AVX2.
 #if HWY_TARGET == HWY_AVX2
 struct PackedLanes {  // four bits for each lane's number
   std::uint32_t of[256];
@@ -399,13 +399,13 @@ struct PackedLanes {  // the numbers of the four bytes of each lane
 };
 inline constexpr PackedLanes kPackedLanes;
 #endif
-// The lanes of a mask one behind the other; the lanes behind them hold anything.
+// Moves the lanes that are set in a mask to the front, in their order. The lanes behind them are undefined.
 template <class T, std::size_t N>
 HWY_INLINE One<T, N> Packed(One<T, N> a, OneMask<T, N> m) {
 #if HWY_TARGET == HWY_AVX2
   static_assert(sizeof(T) == 4 && N == 8);
   const hn::CappedTag<float, 8> floats;
-  // the permutation ignores all but three bits of a lane
+  // the permutation uses only the lowest three bits of a lane
   const __m256i lanes = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(kPackedLanes.of[Bits(m)])),
                                           _mm256_load_si256(reinterpret_cast<const __m256i*>(kPackShifts)));
   const hn::Vec<decltype(floats)> packed{_mm256_permutevar8x32_ps(hn::BitCast(floats, a.v).raw, lanes)};
@@ -421,7 +421,8 @@ HWY_INLINE One<T, N> Packed(One<T, N> a, OneMask<T, N> m) {
 #endif
 }
 
-// Writes the lanes of a mask one behind the other; places behind them are written, too (eight in all).
+// Writes the lanes that are set in a mask one behind the other. It always writes eight elements; those behind
+// the set lanes are undefined.
 template <class T, class M, std::size_t N>
 HWY_INLINE std::size_t Pack(T* to, One<T, N> a, OneMask<M, N> m) {
   const hn::CappedTag<T, N> tag;

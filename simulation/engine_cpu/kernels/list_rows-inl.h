@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// How far around tool ball t the list looks [mm].
+// Distance from tool ball t up to which the list holds bone [mm].
 HWY_INLINE float ReachTo(const RowMaker& m, unsigned t) {
   return m.tool.cutting[t] != 0 ? m.cutting_reach_mm : m.shaft_reach_mm;
 }
@@ -38,7 +38,7 @@ inline std::size_t MakeBallRows(const RowMaker& m, const BallBlock& block, const
   return made;
 }
 
-// The same for a block of mass points.
+// Makes a row for each of the tool balls within reach of a point of the block. @returns their number
 inline std::size_t MakePointRows(const RowMaker& m, const PointBlock& block, const std::uint16_t* tools,
                                  std::size_t count) {
   const F3 c = CentersOf(block);
@@ -55,7 +55,7 @@ inline std::size_t MakePointRows(const RowMaker& m, const PointBlock& block, con
   return made;
 }
 
-// A bit for each of eight points within reach of one of the tool balls.
+// Returns a bit for each of eight points that is within reach of one of the tool balls.
 inline unsigned PointsNear(const RowMaker& m, const float* x, const float* y, const float* z,
                            const std::uint16_t* tools, std::size_t count) {
   const F3 c{Load(x), Load(y), Load(z)};
@@ -68,7 +68,7 @@ inline unsigned PointsNear(const RowMaker& m, const float* x, const float* y, co
   return bits;
 }
 
-// Selects the tool balls whose centre is within radius and reach of the box. @returns their number
+// Selects the tool balls whose centre is within radius plus reach of the box. @returns their number
 inline std::size_t ToolsNearBox(const RowMaker& m, const float low[3], const float high[3],
                                 const std::uint16_t* tools, std::size_t count, std::uint16_t* out) {
   std::size_t made = 0;
@@ -85,7 +85,7 @@ inline std::size_t ToolsNearBox(const RowMaker& m, const float low[3], const flo
   return made;
 }
 
-// A bit for each of eight boxes within the radius of the box low … high.
+// Returns a bit for each of eight boxes that is within the radius of the box with the corners low and high.
 inline unsigned BoxesNear(const float boxes[6][8], const float low[3], const float high[3], float radius_mm) {
   F8 square = F(0.0f);
   for (int a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
-// Pass 2: floats look at every pair that may be near, and leave to doubles those that may be the nearest of
-// their bin or lie in a face's cone.
+// Pass 2: examines in floats every pair that may be near. Pairs that may be the nearest of their bin, or may
+// lie in a face's cone, are then computed in doubles.
 #if defined(OSTEON_CPU_NEAR_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_NEAR_FIELD_INL_H
 #undef OSTEON_CPU_NEAR_FIELD_INL_H
@@ -17,12 +17,12 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr std::uint32_t kChunk = 512, kWide = 16;  // pairs packed at most; lanes examined at a time
-constexpr std::uint8_t kUnsureBin = 255;           // stands for a bin that floats cannot tell
+constexpr std::uint32_t kChunk = 512, kWide = 16;  // most packed pairs; lanes examined at a time
+constexpr std::uint8_t kUnsureBin = 255;           // means that floats cannot decide the bin
 
 // Near pairs, packed without gaps. Either all of their tool balls cut, or none does.
 struct NearChunk {
-  alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // from bone to tool
+  alignas(64) float x[kChunk + kWide], y[kChunk + kWide], z[kChunk + kWide];  // vector from bone to tool
   alignas(64) float gap[kChunk + kWide];
   std::uint32_t place[kChunk + kWide], tool[kChunk + kWide];
   std::uint32_t count{0};
@@ -30,7 +30,8 @@ struct NearChunk {
   float rounding_mm{0.0f};
 };
 
-// The state of the pass: an upper bound of each bin's least score, and the lists for doubles.
+// The state of the pass: for each bin an upper bound of its smallest score, and the lists of pairs that
+// doubles examine.
 class NearFieldSearch {
  public:
   explicit NearFieldSearch(NearFieldPass& pass);
@@ -42,16 +43,17 @@ class NearFieldSearch {
  private:
   // Examines the eight pairs of a row in floats, and packs the near ones into the chunk.
   void ExamineRow(const NearFieldPass& p, std::uint32_t block, const F3& c, const F8& r, std::uint32_t row);
-  // Examine the chunk's pairs, all or kWide from i on: AddNear and FaceSums list those that need doubles.
+  // TakeChunk examines all pairs of the chunk; TakeLanes examines kWide of them, from i on. AddNear and
+  // FaceSums list the pairs that need doubles.
   void TakeChunk();
   void TakeLanes(std::uint32_t i);
-  // Lists a pair for doubles, if it may be the nearest of its bin. @param number  of the bin
-  // @param inside, edge  distance to the bin's border, and the error that this distance may have
+  // Lists a pair for doubles, if it may be the nearest of its bin. @param number  the bin's number
+  // @param inside, edge  distance to the bin's border, and the largest error of this distance
   void AddNear(std::uint32_t place, std::uint32_t tool, float score, float number, float inside, float error,
                float edge);
   void SumNear();
-  // Largest error of a score: the gap's rounding error, plus the direction's rounding error times the bin
-  // centre's bias (0.05 mm, below 0.1 mm with the cosine's slope).
+  // Largest error of a score: the gap's rounding error, plus the direction's rounding error times
+  // kBinCentreBias_m (0.05 mm; with the slope of the cosine, less than 0.1 mm).
   template <class V>
   HWY_INLINE V ScoreError(V per_mm, float rounding_mm) const {
     return MulAdd(Like(per_mm, 0.1f * rounding_mm), per_mm, Like(per_mm, rounding_mm + 1e-7f));
@@ -115,7 +117,7 @@ inline void NearFieldSearch::BoundBy(const std::uint32_t* place, const std::uint
 }
 
 inline void NearFieldSearch::Run() {
-  // this copy stays in registers; the compiler assumes that stores of vectors may change p_
+  // copy the data, so that they stay in registers: the compiler assumes that stores of vectors may change p_
   const NearFieldPass p = p_;
   const float limit = LimitOf(p.every_row, p.displacement_mm + p.enlargement_mm + p.rounding_mm);
   std::uint32_t b = 0, row = 0;
@@ -184,7 +186,7 @@ HWY_INLINE void NearFieldSearch::TakeLanes(std::uint32_t i) {
   const V score = MulAdd(Like(x, worth_mm_), bins.off_centre, Make<V>::From(c.gap + i));
   const V error = ScoreError(per, c.rounding_mm),
           edge = MulAdd(Like(x, 4.0f * c.rounding_mm), per, Like(x, kBinRounding));
-  // doubles also have to examine a pair whose bin floats cannot tell
+  // doubles also have to examine a pair whose bin floats cannot decide
   unsigned bits = valid & Bits((score - error <= BinTable(best_).At(bins.number)) | (bins.inside <= edge));
   if (bits == 0) return;
   float scores[kWide], numbers[kWide], inside[kWide], errors[kWide], edges[kWide];
@@ -206,11 +208,11 @@ inline void NearFieldSearch::AddNear(std::uint32_t place, std::uint32_t tool, fl
   p_.near_place[to] = place, p_.near_tool[to] = tool;
   p_.near_score[to] = score - error;
   p_.near_bin[to] = sure ? static_cast<std::uint8_t>(bin) : kUnsureBin;
-  // only a pair that is surely within the enlargement bounds the others
+  // only a pair whose gap is surely below the enlargement may exclude other pairs
   if (sure && score < p_.enlargement_mm - 2.0f * error) best_[bin] = LesserOf(best_[bin], score + error);
 }
 
-// Computes exactly those listed pairs that later pairs have not excluded.
+// Computes in doubles those listed pairs that later pairs have not excluded.
 inline void NearFieldSearch::SumNear() {
   std::size_t few = 0;
   for (std::size_t i = 0; i < near_count_; ++i) {

@@ -1,4 +1,4 @@
-// Eight pairs of a list as doubles.
+// Loads eight pairs of a list as doubles.
 #if defined(OSTEON_CPU_PAIRS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_PAIRS_INL_H
 #undef OSTEON_CPU_PAIRS_INL_H
@@ -12,14 +12,14 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// Eight pairs of a list; lanes beyond its end hold anything.
+// Eight pairs of a list; lanes beyond the list's end are undefined.
 struct Pairs {
-  D3 from_bone;  // from the bone ball's centre to the tool ball's [m]
+  D3 from_bone;  // vector from the bone ball's centre to the tool ball's centre [m]
   D8 r, R;       // radii of bone and tool ball [m]
   D3 center_T;
 };
-// Loads eight pairs. @param place, tool  the list from the first of these pairs on; @param valid  a bit for
-// each lane that holds a pair of the list
+// Loads eight pairs. @param place, tool  the list, beginning at the first of these pairs; @param valid  a bit
+// for each lane that holds a pair of the list
 HWY_INLINE Pairs LoadPairs(const NearFieldPass& p, const std::uint32_t* place, const std::uint32_t* tool,
                            unsigned valid) {
   const float* base = p.balls->x;  // y, z and r of a ball lie 8, 16 and 24 floats behind x

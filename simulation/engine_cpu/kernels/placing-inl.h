@@ -1,4 +1,4 @@
-// Places the tool's balls at a pose and on straight ways.
+// Places the tool's balls at a pose and on straight paths.
 #if defined(OSTEON_CPU_PLACING_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef OSTEON_CPU_PLACING_INL_H
 #undef OSTEON_CPU_PLACING_INL_H
@@ -24,7 +24,7 @@ HWY_INLINE D3 LoadPlaces(const Places& a, std::uint32_t i) {
   return {Load(a.x + i), Load(a.y + i), Load(a.z + i)};
 }
 
-// PlaceTool of tool_path.h: R c + p as Eigen computes it.
+// Does PlaceTool of tool_path.h: computes R c + p for each centre c, with the same bits as Eigen.
 inline void Place(const double R[9], const double p[3], const ToolView& tool, Places to) {
   for (std::uint32_t i = 0; i <= tool.count; i += 8) {
     const D3 c{Load(tool.tx + i), Load(tool.ty + i), Load(tool.tz + i)};
@@ -37,7 +37,7 @@ inline void Place(const double R[9], const double p[3], const ToolView& tool, Pl
   to.x[origin] = p[0], to.y[origin] = p[1], to.z[origin] = p[2];
 }
 
-// Places at the fraction s of the straight paths from a to b.
+// Computes the places at the fraction s of the straight paths from a to b.
 inline void Between(Places a, Places b, double s, std::uint32_t count, Places to) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 p = LoadPlaces(a, i), way = LoadPlaces(b, i) - p;
@@ -45,7 +45,7 @@ inline void Between(Places a, Places b, double s, std::uint32_t count, Places to
   }
 }
 
-// The places of a, shifted by v [m].
+// Computes the places of a, shifted by v [m].
 inline void Shifted(Places a, const double v[3], std::uint32_t count, Places to) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 p = LoadPlaces(a, i);
@@ -53,8 +53,8 @@ inline void Shifted(Places a, const double v[3], std::uint32_t count, Places to)
   }
 }
 
-// Returns the largest distance [m] between the same place of a and b: the root of the largest square, because
-// roots rise with their argument.
+// Returns the largest distance [m] between a place of a and the same place of b. It is the root of the
+// largest squared distance, so only one root is needed.
 inline double Farthest(Places a, Places b, std::uint32_t first, std::uint32_t last) {
   D8 largest = D(0.0);
   for (std::uint32_t i = first & ~7u; i < last; i += 8) {
@@ -69,7 +69,7 @@ inline double Farthest(Places a, Places b, std::uint32_t first, std::uint32_t la
   return std::sqrt(square);
 }
 
-// Vectors from the places of a to those of b [mm].
+// Computes the vectors from the places of a to the same places of b [mm].
 inline void Ways(Places a, Places b, std::uint32_t count, float* x_mm, float* y_mm, float* z_mm) {
   for (std::uint32_t i = 0; i <= count; i += 8) {
     const D3 d = LoadPlaces(b, i) - LoadPlaces(a, i);

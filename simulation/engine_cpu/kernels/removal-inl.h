@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-constexpr std::uint32_t kWorkBlocks = 24;  // blocks that are shrunk together
+constexpr std::uint32_t kWorkBlocks = 24;  // number of blocks that are shrunk together
 
 // Shrinks the balls of several blocks at a time, in doubles. A seated reamer touches thousands of balls in
 // every frame: roots and quotients of several blocks at once hide each other's latency.
@@ -29,7 +29,7 @@ class BallShrinking {
   struct alignas(64) Work {
     double x[8], y[8], z[8], r[8];
   };
-  // Vectors from the tool ball's path to the centres of eight balls, and their lengths [m].
+  // For eight balls: vector from the tool ball's path to the ball's centre, and its length [m].
   struct alignas(64) Away {
     double x[8], y[8], z[8], distance[8];
   };
@@ -64,7 +64,8 @@ HWY_INLINE void BallShrinking::AddBlock(std::uint32_t b, float limit) {
   if (rows_ + (last - first) > p_.scratch_capacity) FinishWork();
   std::uint32_t rounds = 0;
   if (last == first + 1) {
-    // the bound was updated in this frame, so nearly every such block is touched: doubles examine it at once
+    // the bound was updated in this frame, so nearly every block below the limit is touched: skip the test in
+    // floats
     const unsigned t = p_.rows.tool[first];
     if (!Cuts(p_.sweep, t)) return;
     p_.scratch[rows_++] = {.slot = count_, .tool = t, .lanes = 0xffu};
@@ -105,8 +106,8 @@ inline void BallShrinking::FinishWork() {
   count_ = rows_ = max_rounds_ = 0;
 }
 
-// Shrinks each ball by the tool balls in their order, each on both pieces of its way. The rows are stored
-// block after block; in each round, every block takes its next row.
+// Shrinks each ball by the tool balls in their order, and for each tool ball by both pieces of its path. The
+// rows are stored block after block. Each round processes the next row of every block.
 inline void BallShrinking::ShrinkByRounds() {
   TouchingRow round[kWorkBlocks];
   std::uint32_t next[kWorkBlocks], end[kWorkBlocks];
@@ -125,8 +126,8 @@ inline void BallShrinking::ShrinkByRounds() {
   }
 }
 
-// Applies to each row's block the capsule of the row's tool ball from a to b. The rows are of different
-// blocks.
+// Shrinks the block of each row by the capsule of the row's tool ball from a to b. The rows must belong to
+// different blocks.
 inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, const Places& a,
                                   const Places& b) {
   Away away[kWorkBlocks];
@@ -148,7 +149,7 @@ inline void BallShrinking::Shrink(const TouchingRow* rows, std::uint32_t count, 
   p_.pairs_examined += 8 * count;
 }
 
-// ShrinkBall of cutting_math.h, to the same bits, for lanes of one vector.
+// Does ShrinkBall of cutting_math.h for the lanes of one vector, with the same bits.
 HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned first, const Away& from,
                                              const Places& a, const Places& b) {
   using Load = Make<DPiece>;
@@ -161,9 +162,9 @@ HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned fi
   const auto hit = FromBits<typename Traits<DPiece>::Mask>::Of(row.lanes >> first & ((1u << kPiece) - 1u)) &
                    (r > zero) & (penetration > zero);
   const DPiece half = Load::Of(0.5) * penetration, left = r - half;
-  // a penetration of 2 r or more leaves nothing, which is below the smallest radius, too
+  // this includes a penetration of 2 r or more, which leaves a radius of 0 or less
   const auto gone = hit & (left < Load::Of(p_.min_radius_m));
-  // this close to the axis, shrink_on_axis determines the direction
+  // for centres so close to the axis, shrink_on_axis determines the direction
   const auto close = hit & (!gone) & (d < Load::Of(p_.on_axis_share * tool_radius));
   const auto moved = hit & (!gone) & (!close);
   for (unsigned bits = Bits(close); bits != 0; bits &= bits - 1) {
@@ -182,7 +183,7 @@ HWY_INLINE void BallShrinking::ShrinkTouched(const TouchingRow& row, unsigned fi
   Store(w.r + first, Select(gone, zero, Select(moved, left, now)));
 }
 
-// Removes children below their smallest radius, and notes all touched blocks of children.
+// Removes children below their smallest radius, and lists all touched blocks of children.
 inline void BallShrinking::DropSmallChildren() {
   for (std::uint32_t slot = 0; slot < count_; ++slot) {
     const std::uint32_t block = block_[slot];
@@ -194,7 +195,7 @@ inline void BallShrinking::DropSmallChildren() {
   }
 }
 
-// Stores the balls, rounded as by RoundToStored(); a ball that was not touched keeps its floats.
+// Stores the balls, rounded like RoundToStored(); a ball that was not touched keeps its floats.
 inline void BallShrinking::WriteBack() {
   for (std::uint32_t slot = 0; slot < count_; ++slot) {
     const Work& w = work_[slot];

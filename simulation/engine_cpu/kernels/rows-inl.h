@@ -17,16 +17,16 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// The lowest `count` bits of eight.
+// Returns eight bits of which the lowest `count` are set.
 HWY_INLINE unsigned FirstBits(std::size_t count) { return count >= 8 ? 0xffu : (1u << count) - 1u; }
-// Number of the lowest set bit.
+// Returns the position of the lowest set bit.
 HWY_INLINE unsigned Lowest(unsigned bits) { return static_cast<unsigned>(std::countr_zero(bits)); }
 HWY_INLINE std::size_t CountOf(unsigned bits) { return static_cast<std::size_t>(std::popcount(bits)); }
 HWY_INLINE float LesserOf(float a, float b) { return a < b ? a : b; }
 
 HWY_INLINE F3 CentersOf(const BallBlock& b) { return {Load(b.x), Load(b.y), Load(b.z)}; }
 HWY_INLINE F3 CentersOf(const PointBlock& b) { return {Load(b.x), Load(b.y), Load(b.z)}; }
-// Centre of tool ball t in all lanes: rounded [mm], exact [m].
+// Returns the centre of tool ball t in all lanes: At rounded [mm], ExactlyAt exact [m].
 HWY_INLINE F3 At(const Places& p, unsigned t) { return {F(p.x_mm[t]), F(p.y_mm[t]), F(p.z_mm[t])}; }
 HWY_INLINE D3 ExactlyAt(const Places& p, unsigned t) { return {D(p.x[t]), D(p.y[t]), D(p.z[t])}; }
 
@@ -57,10 +57,11 @@ HWY_INLINE BoundCursor RowsOf(const PairRows& rows, std::uint32_t b) {
   return {rows.bound, rows.first[b], rows.first[b + 1]};
 }
 
-// Prefetches a block that is needed some iterations later: listed blocks lie apart in memory.
+// Prefetches a block that is needed some iterations later, because listed blocks are not contiguous in
+// memory.
 template <class Block>
 HWY_INLINE void PrefetchAhead(const PairRows& rows, const Block* blocks, std::uint32_t b) {
-  constexpr std::uint32_t kAhead = 16;  // blocks
+  constexpr std::uint32_t kAhead = 16;  // number of blocks to prefetch ahead
   const Block& later = blocks[rows.block[b + kAhead < rows.block_count ? b + kAhead : b]];
   hwy::Prefetch(&later), hwy::Prefetch(&later.z);
 }
@@ -78,8 +79,8 @@ HWY_INLINE void UpdateBlockBound(const PairRows& rows, std::uint32_t b) {
   rows.block_bound[b] = Least(least);
 }
 
-// The limit that a pass compares bounds with: the gap that matters, or (brute force) one that excludes
-// nothing.
+// Returns the limit with which a pass compares bounds: the largest gap that matters or, for brute force, a
+// limit that excludes nothing.
 HWY_INLINE float LimitOf(bool every_row, float gap_mm) { return every_row ? kNever : gap_mm; }
 
 }  // namespace HWY_NAMESPACE

@@ -12,29 +12,31 @@ HWY_BEFORE_NAMESPACE();
 namespace osteon::simulation::cpu {
 namespace HWY_NAMESPACE {
 
-// A straight piece of one tool ball's way, with the values that ClosestOnSegment computes from its ends.
+// A straight piece of one tool ball's path, with the values that ClosestOnSegment computes from its ends a
+// and b: m = b - a.
 template <class V>
 struct Segment {
-  Three<V> a, m, end;  // end: a + m, which may differ from the other end by rounding
+  Three<V> a, m, end;  // end: a + m, which may differ from b by rounding
   V mm;                // m · m
   bool moves;
 };
-// The straight path of tool ball t from its place in a to that in b.
+// Makes the straight path of tool ball t from its place in a to its place in b.
 template <class V>
 HWY_INLINE Segment<V> SegmentOf(const Places& a, const Places& b, unsigned t) {
   const auto all = [](double value) HWY_ATTR { return Make<V>::Of(value); };
   const double x = b.x[t] - a.x[t], y = b.y[t] - a.y[t], z = b.z[t] - a.z[t], mm = (x * x + y * y) + z * z;
   const Three<V> none{all(0.0), all(0.0), all(0.0)};
   if (mm == 0.0) return {{all(a.x[t]), all(a.y[t]), all(a.z[t])}, none, none, all(0.0), false};
-  // a + 0 m, as ClosestOnSegment computes it: a zero may have another sign than in a
+  // a + 0 m, as in ClosestOnSegment: a coordinate of -0 may become +0
   return {{all(a.x[t] + 0.0 * x), all(a.y[t] + 0.0 * y), all(a.z[t] + 0.0 * z)},
           {all(x), all(y), all(z)},
           {all(a.x[t] + x), all(a.y[t] + y), all(a.z[t] + z)},
           all(mm),
           true};
 }
-// Returns the vector from the segment's closest point to p, to the bits of p - ClosestOnSegment(p, a, b).
-// Most points lie before or past a way of micrometres: the closest point is then a + 0 m or a + 1 m.
+// Returns the vector from the segment's closest point to p, with the bits of p - ClosestOnSegment(p, a, b).
+// The paths are micrometres long, so most points lie before or past the path; the closest point is then a + 0
+// m or a + 1 m.
 template <class V>
 HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
   const Three<V> out = p - s.a;
@@ -53,20 +55,20 @@ HWY_INLINE Three<V> AwayFrom(const Segment<V>& s, const Three<V>& p) {
 HWY_INLINE bool Cuts(const SweepView& s, unsigned t) {
   return s.tool.cutting[t] != 0 && (s.only < 0 || s.only == static_cast<std::int32_t>(t));
 }
-// Largest gap at first contact, to a cutting ball, of what the sweep may touch [mm]: no ball moves farther
-// than way_mm from its place there.
+// Returns the largest gap to a cutting ball at first contact from which the sweep may still touch bone [mm].
+// No tool ball moves farther than way_mm from its place at first contact.
 HWY_INLINE float ReachOf(const SweepView& s) { return s.way_mm + s.rounding_mm; }
-// The largest bound of a row that the sweep may touch.
+// Returns the limit for the rows' bounds: the sweep cannot touch a row with a larger bound.
 HWY_INLINE float SweepLimit(const SweepView& s) {
   return LimitOf(s.every_row, s.displacement_mm + ReachOf(s));
 }
-// Gaps [mm] between eight balls and tool ball t at first contact.
+// Computes the gaps [mm] between eight balls and tool ball t at first contact.
 HWY_INLINE F8 GapAtContact(const SweepView& s, unsigned t, const F3& center, const F8& r) {
   const F3 from = At(s.contact, t) - center;
   return Sqrt(Dot(from, from)) - F(s.tool.r_mm[t]) - r;
 }
 
-// Finds the balls above a size that the sweep may touch: those that may have to be split.
+// Finds the balls above a given size that the sweep may touch. They may have to be split.
 inline void FindLargeBalls(LargeBallPass& p) {
   const float limit = SweepLimit(p.sweep);
   const F8 reach = F(ReachOf(p.sweep));
@@ -87,7 +89,7 @@ inline void FindLargeBalls(LargeBallPass& p) {
   }
 }
 
-// Finds the points within the sweep, as ReferenceEngine::Remove does.
+// Finds the points within the sweep: the same points as ReferenceEngine::Remove.
 inline void FindCleared(ClearingPass& p) {
   const SweepView& s = p.sweep;
   const float limit = SweepLimit(s);

@@ -52,8 +52,8 @@ HWY_INLINE void Transpose(One<double, N>* const (&r)[N]) {
 #else
 HWY_INLINE void Transpose(One<double, 1>* const (&)[1]) {}
 #endif
-// Transposes rows that are wider than a vector: each quarter of the matrix by itself, then swaps the two
-// quarters off the diagonal.
+// Transposes a matrix whose rows are wider than a vector. Transposes each quarter of the matrix, then swaps
+// the two quarters off the diagonal.
 template <class H>
 HWY_INLINE void Transpose(Two<H>* const (&r)[2 * Traits<H>::kSize]) {
   constexpr std::size_t kHalf = Traits<H>::kSize;
