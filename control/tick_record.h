@@ -21,8 +21,9 @@ enum class Phase : std::uint8_t {
 /// Inputs of a tick, except those that are fields of TickRecord (q_meas, session_state, model_frame). With
 /// all inputs and the frames of the simulation, `osteon replay` computes the tick again, bit for bit. Plain
 /// data.
+/// Time given to the tick; 0: the recording predates this field.
 struct TickInput {
-  rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording predates this field
+  rt::Nanoseconds now{0};
   rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
   // copied from ArmState
   std::uint32_t sequence{0}, activation{0};
@@ -61,12 +62,13 @@ struct TickInput {
 };
 
 /// Result of a tick's guidance along a surgical plan (control/guidance). Plain data.
+/// The cell has guidance and rendered in this tick; otherwise all fields are zero.
 struct GuidanceRecord {
-  bool present{false};  ///< the cell has guidance and rendered in this tick; otherwise all fields are zero
-  PlainWrench F_T_W;    ///< rendered wrench of the guidance, on T at To, in W; part of F_coupling_T_W
-  double share{0.0};    ///< sigma: the share of the guidance that was rendered, 0 … 1
-  double potential_J{
-      0.0};              ///< U: potential energy of the unscaled guidance at this pose; 0 inside the corridor
+  bool present{false};
+  PlainWrench F_T_W;  ///< rendered wrench of the guidance, on T at To, in W; part of F_coupling_T_W
+  double share{0.0};  ///< sigma: the share of the guidance that was rendered, 0 … 1
+  /// U: potential energy of the unscaled guidance at this pose; 0 inside the corridor.
+  double potential_J{0.0};
   double energy_J{0.0};  ///< E: energy that the guidance has given to the tool; negative: taken from the tool
   double cone_rad{0.0}, lateral_m{0.0},
       depth_m{0.0};  ///< distance beyond each bound of the corridor (cone, lateral, depth); <= 0: inside
@@ -106,8 +108,8 @@ struct TickRecord {
   /// The rendered coupling wrench, after all limits. In the tick of a fault: the limited wrench that would
   /// have been rendered.
   PlainWrench F_coupling_T_W;
-  double wrench_step_N{
-      0.0};  ///< growth or change of direction of the coupling's force in this tick (safety::WrenchRateTrip)
+  /// Growth or change of direction of the coupling's force in this tick (safety::WrenchRateTrip).
+  double wrench_step_N{0.0};
   double wrench_step_limit_N{0.0};  ///< limit of wrench_step_N
   double wrench_scale{1.0};         ///< share of the coupling wrench that the limits passed, 0 … 1
   double arm_share{1.0};  ///< share of the coupling wrench that the arm can hold in this posture, 0 … 1
@@ -119,8 +121,8 @@ struct TickRecord {
   double damping_factor{1.0};      ///< factor of the vibration index on the virtual tool's drag
   double age_damping_factor{1.0};  ///< factor of the age governor on the law's damping
   double age_wrench_share{1.0};    ///< factor of the age governor on the coupling
-  double passivity_energy_J{
-      0.0};  ///< E: net energy that the planes have given to the tool; > 0: the planes have generated energy
+  /// E: net energy that the planes have given to the tool; > 0: the planes have generated energy.
+  double passivity_energy_J{0.0};
   double passivity_damping_Ns_per_m{0.0};  ///< damping that dissipates E; 0: inactive
   double tank_J{0.0};                      ///< energy in the tank, while rendering
   double tank_share{1.0};                  ///< share of the coupling that the tank could pay for

@@ -28,8 +28,8 @@ namespace osteon::control {
 
 /// Position at which rendering begins. An arm that is handed over elsewhere first moves there.
 struct StartParams {
-  kinematics::JointVectorN<7> q{
-      kinematics::JointVectorN<7>::Zero()};  ///< [rad]; a six-axis arm uses the first six
+  /// [rad]; a six-axis arm uses the first six.
+  kinematics::JointVectorN<7> q{kinematics::JointVectorN<7>::Zero()};
   JointPathParams path;
   double tolerance_rad{2e-3};  ///< tolerance of each joint at the start; > 0
   /// If the hand pushes harder than this, the arm stops on its path until the hand lets go; > 0 [N].

@@ -7,8 +7,9 @@
 namespace osteon::control {
 
 /// Tuning of AgeGovernor. Every field has a usable default.
+/// false: both factors stay 1.
 struct AgeGovernorParams {
-  bool acts{true};  ///< false: both factors stay 1
+  bool acts{true};
   /// Largest factor on the law's damping; >= 1. If this is not enough, the coupling is scaled down.
   double max_damping_factor{20.0};
   double release_s{0.2};        ///< time constant of the release; the rise is immediate
@@ -29,8 +30,9 @@ struct AxisDamping {
 };
 
 /// Ages of the inputs of the coupling.
+/// Age of the pose at which the planes are evaluated.
 struct StiffnessAges {
-  double pose_s{0.0};    ///< age of the pose at which the planes are evaluated
+  double pose_s{0.0};
   double planes_s{0.0};  ///< age of the planes
 };
 

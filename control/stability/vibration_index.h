@@ -11,18 +11,19 @@
 namespace osteon::control {
 
 /// Tuning of VibrationIndex. Every field has a usable default.
+/// false: the index is computed and recorded, but changes nothing.
 struct VibrationParams {
-  bool acts{true};       ///< false: the index is computed and recorded, but changes nothing
+  bool acts{true};
   double low_hz{5.0};    ///< lower edge of the band in which hand and arm oscillate: above intended motion
   double high_hz{40.0};  ///< upper edge of this band; > low_hz
   double slow_hz{1.5};   ///< intended motion lies between this and low_hz; < low_hz
   double lever_m{0.1};   ///< a torque is converted to a force by this lever
   double floor_N{0.15};  ///< vibration of this RMS force without any slow motion gives share(E) = 1/2
-  double slow_memory_s{
-      0.2};                  ///< averaging time of the slow energy: it must not vanish when a motion reverses
-  double share_low{0.3};     ///< if share(E) is at most this, the index tends to 0
-  double share_high{0.8};    ///< if share(E) is at least this, the index tends to 1; > share_low
-  double alert_index{0.25};  ///< largest index while a jolt has no second half-wave yet; 0 … 1
+  /// Averaging time of the slow energy: it must not vanish when a motion reverses.
+  double slow_memory_s{0.2};
+  double share_low{0.3};             ///< if share(E) is at most this, the index tends to 0
+  double share_high{0.8};            ///< if share(E) is at least this, the index tends to 1; > share_low
+  double alert_index{0.25};          ///< largest index while a jolt has no second half-wave yet; 0 … 1
   double alert_memory_s{0.03};       ///< averaging time of the band's whole energy, which raises the alert
   double rise_s{0.02};               ///< time constant of the index while it rises
   double decay_ratio{60.0};          ///< ratio of the time constants of fall and rise; >= 1

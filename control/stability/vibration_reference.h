@@ -5,17 +5,18 @@
 namespace osteon::control {
 
 /// Tuning of VibrationReference. Every field has a usable default.
+/// RMS force of a hand's tremor that is tolerated before any test; >= 0.
 struct ReferenceParams {
-  double tremor_N{0.2};    ///< RMS force of a hand's tremor that is tolerated before any test; >= 0
+  double tremor_N{0.2};
   double margin{1.25};     ///< vibration up to this factor times the reference is tolerated; >= 1
   double suspect_s{0.12};  ///< a test starts once vibration has lasted this long in total
   double test_s{0.25};     ///< duration of a test, during which the virtual tool has high drag
-  double listen_s{
-      0.12};  ///< length of a test's last part, in which the remaining energy is measured; <= test_s
+  /// Length of a test's last part, in which the remaining energy is measured; <= test_s.
+  double listen_s{0.12};
   double hold_s{0.65};  ///< extension of a test if little energy remains: a beating tremor may return
   double calm_s{1.0};   ///< vibration counts as ended once it has been absent for this long
-  double forget_s{
-      30.0};  ///< time constant of the reference's return to tremor_N after the vibration has ended
+  /// Time constant of the reference's return to tremor_N after the vibration has ended.
+  double forget_s{30.0};
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.

@@ -22,26 +22,27 @@ namespace osteon::gpu {
 /// layers. Each is made only once because drivers limit the number of instances (one driver fails after 29).
 struct SharedInstance {
   vk::raii::Context loader;
-  std::atomic<int> messages{
-      0};                     ///< number of validation messages about all devices; their text goes to stderr
-  std::string loader_errors;  ///< errors that the loader reported while the instance was made; declared
-                              ///< first, so it outlives the instance
+  std::atomic<int> messages{0};  ///< validation messages so far, of all devices; texts go to stderr
+  std::string loader_errors;     ///< errors that the loader reported while the instance was made; declared
+                                 ///< first, so it outlives the instance
   std::optional<vk::raii::Instance> instance;
   std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< only with the layers
 };
 
 /// Subgroup sizes of a device. A subgroup is a set of invocations of a workgroup that execute together.
+/// Size of a subgroup in a pass that requests no size.
 struct Subgroups {
-  std::uint32_t size{0};  ///< size of a subgroup in a pass that requests no size
+  std::uint32_t size{0};
   bool can_choose{false};
   std::uint32_t min_size{0}, max_size{0};  ///< range of sizes that a pass can request; both are powers of two
   bool can_be_full{false};                 ///< a pass can require that all its invocations are active
 };
 
 /// Device and one compute queue.
+/// Kept until the process's end.
 struct Context {
-  std::shared_ptr<SharedInstance> shared;  ///< kept until the process's end
-  bool validation{false};                  ///< with the validation layers
+  std::shared_ptr<SharedInstance> shared;
+  bool validation{false};  ///< with the validation layers
   std::optional<vk::raii::PhysicalDevice> physical;
   std::optional<vk::raii::Device> device;
   std::optional<vk::raii::Queue> queue;

@@ -121,8 +121,9 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   return model;
 }
 
+// memory_only: without balls and points
 simulation::CarvedState VulkanEngine::Snapshot() const {
-  simulation::CarvedState state, memory_only;  // memory_only: without balls and points
+  simulation::CarvedState state, memory_only;
   ToState(impl_->memory, memory_only);
   if (impl_->lost) return memory_only;
   state = memory_only;

@@ -43,8 +43,9 @@ struct VulkanOverrides {
   std::optional<bool> fused_fma{};           ///< replaces the result of HasFusedFma; only without doubles
 };
 
+/// Part of a device's name; empty: the default device.
 struct VulkanParams {
-  std::string device;       ///< part of a device's name; empty: the default device
+  std::string device;
   bool validation{false};   ///< run with the validation layers, including synchronisation validation
   bool time_passes{false};  ///< take timestamps between the passes; software drivers wait at each timestamp
   bool brute_force{false};  ///< test every pair in every pass: the baseline for measuring the culling
@@ -59,8 +60,9 @@ struct VulkanParams {
 };
 
 /// Amount of work in the last frame.
+/// Bone balls within reach of the tool.
 struct FrameStats {
-  std::size_t active_balls{0};  ///< bone balls within reach of the tool
+  std::size_t active_balls{0};
 };
 
 /// Device time of one pass of the last frame.
