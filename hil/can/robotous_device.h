@@ -66,7 +66,7 @@ class RobotousDevice final : public io::CanClient {
   Values low_passed_{};  // the last reading after the filter
   bool low_pass_fresh_{true};
   std::array<int, 6> overloads_{};
-  rt::Nanoseconds due_{0};  // of the next reading
+  rt::Nanoseconds due_{0};  // time of the next reading
   std::uint64_t readings_{0};
 };
 

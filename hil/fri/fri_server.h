@@ -110,11 +110,11 @@ struct ArmMeasurement {
 /// In COMMANDING_ACTIVE a command must have seven finite joint values within the position limits. It may not
 /// move a joint further than its velocity limit allows since the last accepted command (lost commands
 /// lengthen that time). In impedance control it must stay near the measured position. If a command violates
-/// one of these rules, a safety stop begins and lasts until Acknowledge(). Without a new command, and in
-/// every other state, the arm holds the last accepted one, without wrench or torque. The interpolator's
-/// position (ipo) stays where commanding began.
+/// one of these rules, a safety stop begins and lasts until Acknowledge(). Without a new command, the arm
+/// keeps the last accepted joints and overlay. In every other state it holds the last accepted joints,
+/// without wrench or torque. The interpolator's position (ipo) stays where commanding began.
 ///
-/// Real arms interpolate and brake along a path, which is not modelled here.
+/// Real arms also interpolate commands and brake along a path; this is not modelled.
 class FriServer {
  public:
   /// @param limits only position and velocity limits are used; lower < upper, velocity > 0.
@@ -176,7 +176,7 @@ class FriServer {
   // Counts gaps and steps back in the client's own numbering.
   void CountClientSequence(std::uint32_t sequence);
   void CountIgnored();
-  // Whether the pending answer has what the command mode requires.
+  // Whether the pending answer contains the fields that the command mode requires.
   [[nodiscard]] bool HasRequiredFields() const;
   void StepMonitoring();
   void EndSession();
@@ -184,12 +184,12 @@ class FriServer {
   void StepCommandingWait();
   void ApplyCommand();
   [[nodiscard]] bool ApplyOverlay();
-  // Goes back to monitoring, and clears wrench and torques.
+  // Returns to a monitoring state, and clears wrench and torques.
   void LeaveCommanding();
-  // Sets stop_ if too many answers were lost. @returns whether it did
+  // If too many answers were lost, reports that in stop_. @returns true in that case
   [[nodiscard]] bool ReportLosses();
   void EndOnLosses();
-  // Switches the drives off and leaves commanding. Without a report: stop level 1.
+  // Switches the drives off and leaves commanding. The first overload stops with level 1.
   void SafetyStop(StopReason reason, int joint, double found, double accepted);
   void SafetyStop(const StopReport& report, int level);
   [[nodiscard]] StopReport Report(StopReason reason, int joint, double found, double accepted) const;
@@ -203,9 +203,9 @@ class FriServer {
 
   control::SessionState state_{control::SessionState::kIdle};
   FriDrives drives_;
-  bool program_asks_{true};  // the robot program asks for commanding once the link is good
-  int closing_cycles_{0};    // until IDLE; 0: not closing
-  int idle_messages_{0};     // still to send in IDLE
+  bool program_asks_{true};  // the robot program requests commanding once the quality is GOOD
+  int closing_cycles_{0};    // cycles until IDLE; 0: the session is not closing
+  int idle_messages_{0};     // number of messages still to send in IDLE
   int cycles_in_session_{0};
   bool was_good_{false};
   int good_cycles_{0};
@@ -213,15 +213,16 @@ class FriServer {
   int cycles_since_command_{0};
   kinematics::JointVector q_commanded_, q_ipo_, q_measured_;
   PlainPose X_measured_, X_ipo_;
-  kinematics::JointVector tau_estimated_{kinematics::JointVector::Zero()};  // without the offset
+  // filtered estimate, without the offset
+  kinematics::JointVector tau_estimated_{kinematics::JointVector::Zero()};
   kinematics::JointVector tau_commanded_{kinematics::JointVector::Zero()};
   Wrench F_commanded_;
 
-  std::uint32_t sequence_{0};           // of the message last sent
-  std::uint32_t client_sequence_{0};    // of the last accepted answer
-  std::uint32_t answered_sequence_{0};  // the message that this answer belongs to
+  std::uint32_t sequence_{0};           // sequence number of the message last sent
+  std::uint32_t client_sequence_{0};    // sequence number of the last accepted answer
+  std::uint32_t answered_sequence_{0};  // sequence number of the message that this answer belongs to
   bool any_answer_{false};
-  bool has_pending_{false};  // an answer since BeginCycle
+  bool has_pending_{false};  // an answer was accepted since BeginCycle
   FriCommand pending_;
   // A turn: receive_multiplier cycles, in which one answer is due.
   int cycles_in_turn_{0};
