@@ -10,7 +10,7 @@ enum class StopReason : std::uint8_t {
   kNone,
   kQualityTimeout,  ///< the quality did not become GOOD in time: the session closes
   kLostInARow,  ///< too many consecutive answers lost: the arm holds its position and returns to monitoring
-  kLostPerSecond,  ///< the same
+  kLostPerSecond,  ///< too many answers lost in a second: the arm reacts in the same way
   /// The program requests a command mode that the present control mode does not allow: the arm stays in
   /// monitoring.
   kControlMode,

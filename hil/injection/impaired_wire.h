@@ -109,7 +109,7 @@ class ImpairedWire {
   WireRoom room_;
   std::uint64_t seed_;
   WireCounters counters_;
-  std::vector<Slot> slots_;  // a ring
+  std::vector<Slot> slots_;  // ring buffer of the datagrams in transit
   std::vector<std::uint8_t>
       bytes_;  // data of all slots, then of the present datagram, then of the reordered one
   std::size_t first_{0}, count_{0};
