@@ -30,8 +30,8 @@ class ImpairedCell {
   template <class Deliver>
   void Step(rt::Nanoseconds now, Deliver&& deliver) {
     StepCell(now);
-    client_time_ =
-        now + period_ - 1;  // time of the client's tick if no message arrives: the end of the period
+    // time of the client's tick if no message arrives: the end of the period
+    client_time_ = now + period_ - 1;
     const rt::Nanoseconds end = client_time_;
     for (rt::Nanoseconds due = wires_.to_controller.NextDue(); due <= end;
          due = wires_.to_controller.NextDue()) {

@@ -75,8 +75,8 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   ++state_.cycle;
   state_.stamp = now;
-  static_cast<ArmStatus&>(state_) =
-      arm_->status();  // update again, because the message that was just made is counted too
+  // update again, because the message that was just made is counted too
+  static_cast<ArmStatus&>(state_) = arm_->status();
   state_.active_once |= active;
   state_.script_done = state_.active_once && state_.cell_time_s >= hand_.script().duration_s();
   state_.q_meas = arm.q_meas;

@@ -24,8 +24,8 @@ struct SimulatedCellParams {
   ArmLevel level{ArmLevel::kServo};
   ServoArmParams servo{};
   DynamicArmParams dynamic{};
-  kinematics::ChainParams<7>
-      chain{};  ///< for the dynamic level: the arm's chain with masses, including sensor and tool
+  /// For the dynamic level: the arm's chain with masses, including sensor and tool.
+  kinematics::ChainParams<7> chain{};
   FriServerParams fri{};
   OperatorHandParams hand{};
   PlainPose X_WB{};                     ///< pose of the robot's base in the world
@@ -112,9 +112,9 @@ class SimulatedCell {
   std::unique_ptr<ArmController> arm_;
   Wrench F_hand_T_B_;
   OperatorHand hand_;
-  bool holds_{false},
-      held_once_{false};  // whether the hand holds the tool now, and whether it has held it before
-  double idle_s_{0.0};    // time for which the tool has been at rest near the script's start
+  // whether the hand holds the tool now, and whether it has held it before
+  bool holds_{false}, held_once_{false};
+  double idle_s_{0.0};  // time for which the tool has been at rest near the script's start
   std::uint64_t held_cycles_{0};
   CellState state_;
 };

@@ -19,8 +19,8 @@ struct LoopTool {
   /// Model of the arm with this tool as payload; replaces ServoParams::arm_body. Absent: the loop keeps its
   /// present model.
   std::optional<kinematics::ChainParams<7>> arm_body{};
-  std::optional<GuidanceParams>
-      guidance{};                           ///< guidance along the surgical plan with this tool; absent: none
+  /// Guidance along the surgical plan with this tool; absent: none.
+  std::optional<GuidanceParams> guidance{};
   std::optional<ToolLinkParams> bending{};  ///< used if the cell's tool is compliant; absent: rigid
 };
 

@@ -58,8 +58,8 @@ struct ServoParams {
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
   ComplianceParams compliance;  ///< compliant parts; all absent: the cell is rigid
-  std::optional<GuidanceParams>
-      guidance;  ///< guidance along a surgical plan with the tool in use; absent: none
+  /// Guidance along a surgical plan with the tool in use; absent: none.
+  std::optional<GuidanceParams> guidance;
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;

@@ -81,8 +81,8 @@ double EigenvalueBound(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
   gram.noalias() = rows.d.transpose().lazyProduct(rows.d);
   const double trace = gram.trace();
-  if (!(trace > 1.0))
-    return trace;  // the trace is a coarser bound, which suffices here: a ratio up to 1 needs no action
+  // the trace is a coarser bound, which suffices here: a ratio up to 1 needs no action
+  if (!(trace > 1.0)) return trace;
   gram /= trace;
   for (int i = 0; i < 4; ++i) gram = (gram.lazyProduct(gram)).eval();
   return trace * std::sqrt(std::sqrt(std::sqrt(std::sqrt(gram.trace()))));

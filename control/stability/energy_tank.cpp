@@ -104,9 +104,8 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   const Wrench spring = SpringOf(coupling);
   const double work_J = Power(spring, dx);
   StoredEnergy old = EnergyAfterStep(active_, active_planes_, potential_J_, fade_, dx);
-  if (!coupling.new_planes &&
-      coupling.fade >
-          0.0) {  // the planes are the previous tick's, so those touched only now existed then too
+  // the planes are the previous tick's, so those touched only now existed then too
+  if (!coupling.new_planes && coupling.fade > 0.0) {
     const double faded = std::min(1.0, fade_ / coupling.fade);
     old.potential_J = std::max(old.potential_J, faded * coupling.potential_J);
     old.work_J = faded * work_J;

@@ -20,8 +20,8 @@ constexpr double kQButterworth = 0.7071067811865476, kQCritical = 0.5;
 // magnitude exceeds this share.
 constexpr double kTurns = 0.15;
 constexpr double kPassed = 0.8;  // the peak has passed once the magnitude is below this share of it
-constexpr double kDies = 0.5,
-                 kGrows = 10.0;      // bounds of the ratio of an oscillation's peak to its previous peak
+// bounds of the ratio of an oscillation's peak to its previous peak
+constexpr double kDies = 0.5, kGrows = 10.0;
 constexpr double kAlertFalls = 2.0;  // ratio of the alert's time constants of fall and rise
 // Tolerances of an oscillation's half period: it may be longer than that of low_hz by kSlower, and shorter
 // than that of high_hz by kFaster.

@@ -52,8 +52,8 @@ class HalfWaves {
  private:
   double shortest_s_, longest_s_;  ///< accepted durations of half a period
   double sign_{1.0};               ///< sign of the present half-wave
-  double peak_{0.0},
-      since_peak_s_{0.0};  ///< the present half-wave's peak so far, and the time since this peak
+  /// The present half-wave's peak so far, and the time since this peak.
+  double peak_{0.0}, since_peak_s_{0.0};
   double last_{0.0}, since_last_s_{0.0};  ///< the previous half-wave's peak, and the time since that peak
   bool judged_{false};                    ///< the present peak has passed and was evaluated
   double amplitude_{0.0};

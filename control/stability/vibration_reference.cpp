@@ -14,14 +14,14 @@ constexpr double kBeats = 2.0;
 // If the largest energy in the extension is smaller than before the test by more than this factor, the
 // vibration was an oscillation of the loop.
 constexpr double kLightens = 3.0;
-constexpr double kTrust_s =
-    6.0;  // time constant with which suspected_s_ and before2_ decay: oscillation is intermittent
+// time constant with which suspected_s_ and before2_ decay: oscillation is intermittent
+constexpr double kTrust_s = 6.0;
 constexpr double kLight = 0.01;  // index below which the drag counts as released
-constexpr double kSettle_s =
-    0.15;  // time at the beginning of a test's extension in which the energy is not measured
+// time at the beginning of a test's extension in which the energy is not measured
+constexpr double kSettle_s = 0.15;
 constexpr double kBeat_s = 1.0;  // after a test, R follows a tremor's beats for this long
-constexpr double kSure =
-    0.9;  // a raw index above this starts a test while watchful; a damped loop stays below it
+// a raw index above this starts a test while watchful; a damped loop stays below it
+constexpr double kSure = 0.9;
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
   Validate(params);

@@ -148,8 +148,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBits
                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string& loader_errors = *static_cast<std::string*>(user);
   const std::string_view message(data->pMessage);
-  if (message.find("Found no drivers") != message.npos)
-    return VK_FALSE;  // the error that is returned to the user states this
+  // the error that is returned to the user states this
+  if (message.find("Found no drivers") != message.npos) return VK_FALSE;
   if (loader_errors.find(message) == loader_errors.npos)
     loader_errors.append(loader_errors.empty() ? " " : "; ").append(message);
   return VK_FALSE;

@@ -26,8 +26,8 @@ class DriverThreads {
   /// The driver's threads that have begun since construction.
   struct Begun {
     std::size_t rasterizers{0}, unnamed{0};
-    std::vector<int>
-        workers;  ///< unnamed threads that follow the rasterizers in the list; at most as many as rasterizers
+    /// Unnamed threads that follow the rasterizers in the list; at most as many as rasterizers.
+    std::vector<int> workers;
   };
   [[nodiscard]] Begun FindWorkers() const;
 

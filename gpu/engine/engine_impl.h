@@ -26,8 +26,8 @@ static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation:
               kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
 
 inline constexpr double kMillimetres = 1e3;
-inline constexpr double kMaxSummand =
-    4'194'304.0;  // 2^22 units, half of the range that a sum over a subgroup allows for one summand
+// 2^22 units, half of the range that a sum over a subgroup allows for one summand
+inline constexpr double kMaxSummand = 4'194'304.0;
 // Largest weight of a contact in a face's sums: that of the largest lens, in the middle of the face's cone.
 inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
@@ -142,11 +142,11 @@ struct VulkanEngine::Impl {
   } lists;
   bool had_no_contact{true};  // the last frame had no contact
   Pose X_GT;                  // pose of the tool in this frame
-  std::vector<Vector3> start_m,
-      goal_m;  // positions of the tool's balls in this frame, at the proxy and at the tool's pose
+  // positions of the tool's balls in this frame, at the proxy and at the tool's pose
+  std::vector<Vector3> start_m, goal_m;
   std::vector<vec4> placed;  // both positions for the device: as floats, then their rounding remainders
-  std::vector<simulation::Capsule>
-      capsules;  // volumes swept by the cutting balls; filled only if balls are split
+  // volumes swept by the cutting balls; filled only if balls are split
+  std::vector<simulation::Capsule> capsules;
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                    const VulkanParams& vulkan);

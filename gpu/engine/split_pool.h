@@ -91,8 +91,8 @@ class SplitPool {
   std::set<uint> free_;                ///< blocks that were in use and are free now
   std::set<uint> in_use_;
   std::vector<uint> emptied_;  ///< blocks that got no children, to be freed at the end of the next frame
-  std::vector<Waiting>
-      waiting_;  ///< balls with a block that are not split yet, in ascending order of parents
+  /// Balls with a block that are not split yet, in ascending order of parents.
+  std::vector<Waiting> waiting_;
   std::vector<std::vector<uint>> blocks_of_cluster_;
   std::vector<SplitUpload> uploads_;
   std::uint64_t refused_{0};

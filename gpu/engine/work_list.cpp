@@ -72,9 +72,8 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
       continue;
     }
     items.push_back({.cluster = cluster, .first = next_ref, .cutters = count.cutters, .count = count.all});
-    next_ref += std::exchange(
-        count.all,
-        next_ref);  // from here on, count.all is the index of the cluster's next ball in the tool refs
+    // from here on, count.all is the index of the cluster's next ball in the tool refs
+    next_ref += std::exchange(count.all, next_ref);
   }
   if (!overflow)
     for (const Hit& hit : hits_) refs_[counts_[hit.cluster].all++] = hit.ball;

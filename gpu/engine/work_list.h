@@ -41,8 +41,8 @@ class WorkList {
   const ToolLayout* tool_;
   std::size_t ref_capacity_;
   std::vector<uint> refs_;
-  std::vector<uint>
-      near_;  // clusters that the groups' bounding balls meet: those of group 0, then of group 1, …
+  // clusters that the groups' bounding balls meet: those of group 0, then of group 1, …
+  std::vector<uint> near_;
   std::vector<std::size_t> end_;  // end of each group's clusters in near_
   std::vector<Hit> hits_;
   struct Count {

@@ -435,8 +435,8 @@ class Lowering {
   std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number of components, by vector type
   std::map<Word, Word> type_of_;                   // type of a value in the original module
   std::map<Word, Word> float_of_;  // id of the float that a double equals exactly, by the double's id
-  std::map<Words, Word>
-      signatures_;  // for the words of a lowered function type: the id of the first such type
+  // for the words of a lowered function type: the id of the first such type
+  std::map<Words, Word> signatures_;
   std::map<Word, Word> same_signature_;  // for each function type: the equal type that is kept
   std::map<Word, Word> sizes_;           // ids of the constants 2, 3, 4
   Word double_{0}, float_{0}, uint_{0}, pair_{0}, zero_{0};

@@ -14,8 +14,8 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr std::uint32_t kMaxPasses =
-    16;  // largest number of passes of a frame; size of the pool of timestamps
+// largest number of passes of a frame; size of the pool of timestamps
+constexpr std::uint32_t kMaxPasses = 16;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {

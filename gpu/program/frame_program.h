@@ -103,8 +103,8 @@ class FrameProgram {
   struct Pass {
     const char* name;
     vk::raii::Pipeline pipeline;
-    std::size_t
-        groups;  ///< offset in Frame of the pass's DispatchArgs; kOneWorkgroup: the pass has one workgroup
+    /// Offset in Frame of the pass's DispatchArgs; kOneWorkgroup: the pass has one workgroup.
+    std::size_t groups;
     NextPassNeeds next_needs;
     /// Divisor of the number of workgroups in the DispatchArgs, for passes with larger workgroups.
     uint share{1};

@@ -43,8 +43,8 @@ OSTEON_CONST uint kMaxToolBalls = 10000;
 OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
 // the following constants have the same values as those in simulation/contact/contact_law.h
-OSTEON_CONST uint kBins =
-    60;  // bins of direction; those from kCuttingBinCount on are for balls that do not cut
+// bins of direction; those from kCuttingBinCount on are for balls that do not cut
+OSTEON_CONST uint kBins = 60;
 OSTEON_CONST uint kCuttingBinCount = 54;
 OSTEON_CONST uint kRemembered = 8;
 OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered pairs
@@ -52,8 +52,8 @@ OSTEON_CONST uint kFaces = 4;
 OSTEON_CONST uint kFaceColumns = 4;  // weight × centre (3 columns), weight × radius
 OSTEON_CONST uint kToolBits = 14;    // bits of a tool ball's index in keys and packed pairs
 // Exact sums subdivide the units of face_scale, area_scale and moment_scale by 2^kUnitBits.
-OSTEON_CONST uint kUnitBits = 18,
-                  kFloatUnitBits = 10;  // kFloatUnitBits: without shaderFloat64, see double_single.glsl
+// kFloatUnitBits: without shaderFloat64, see double_single.glsl
+OSTEON_CONST uint kUnitBits = 18, kFloatUnitBits = 10;
 #ifdef OSTEON_NO_FLOAT64
 OSTEON_CONST double kUnitSubdivision = double(1u << kFloatUnitBits);
 #else

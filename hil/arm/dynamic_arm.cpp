@@ -118,9 +118,8 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
       mount_->Step(arm_, {.q = q_, .qd = qd_, .F_B = F_T_B, .p_B = arm_.FlangePose(q_) * p_FT_m_}, h);
   }
   qdd_ = Acceleration(delayed, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
-  tau_ = DriveTorque(delayed, q_, qd_) -
-         arm_.Friction(
-             qd_);  // the torque sensors are on the output side of the gears, where friction is already lost
+  // the torque sensors are on the output side of the gears, where friction is already lost
+  tau_ = DriveTorque(delayed, q_, qd_) - arm_.Friction(qd_);
 }
 
 // The controller's torque command to the drives.

@@ -277,8 +277,8 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (frame.id == objects_.Get(0x1400, 1)) {
     rpdo_ = frame;
     rpdo_fresh_ = true;
-    if (objects_.Get(0x1400, 2) >= 254)
-      HandleRpdo();  // transmission type 254 or 255: event-driven, takes effect without SYNC
+    // transmission type 254 or 255: event-driven, takes effect without SYNC
+    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();
   } else if (frame.id == 0x080) {
     if (rpdo_fresh_) HandleRpdo();
     for (const int number : {0, 1}) SendTpdo(number);

@@ -68,10 +68,8 @@ bool ObjectDictionary::Serve(const io::CanFrame& request, std::uint16_t answer_i
     return abort(known ? kNoSub : kNoObject);
   }
   if (read) {
-    const int unused =
-        4 -
-        entry
-            ->bytes;  // number of unused bytes of the answer's value, which its command holds in bits 2 and 3
+    // number of unused bytes of the answer's value, which its command holds in bits 2 and 3
+    const int unused = 4 - entry->bytes;
     Answer(out, answer_id, 0x43 + 4 * unused, index, sub, entry->value);
     return false;
   }

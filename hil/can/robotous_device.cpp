@@ -11,8 +11,8 @@ namespace {
 constexpr std::array<int, 9> kRateHz{200, 10, 20, 50, 100, 200, 300, 500, 1000};
 constexpr std::array<int, 15> kCutoffHz{0, 1, 2, 3, 5, 10, 20, 30, 40, 50, 100, 150, 200, 300, 500};
 constexpr int kErrorUnsupported = 1, kErrorRange = 2;
-constexpr rt::Nanoseconds kCatchUp =
-    50 * rt::kMillisecond;  // if the next reading is overdue by more than this, the schedule restarts
+// if the next reading is overdue by more than this, the schedule restarts
+constexpr rt::Nanoseconds kCatchUp = 50 * rt::kMillisecond;
 
 }  // namespace
 

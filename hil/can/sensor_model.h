@@ -15,9 +15,8 @@ struct SensorModelParams {
   double noise_N{0.0}, noise_Nm{0.0};
   PlainWrench bias{};                              ///< reading without a load, in N and N·m
   PlainVector3 drift_N_per_s{}, drift_Nm_per_s{};  ///< rate of change of the bias, from the first sample on
-  double range_N{1e9},
-      /// If an axis exceeds its range, its reading is the range and it is flagged as saturated.
-      range_Nm{1e9};
+  //
+  double range_N{1e9}, range_Nm{1e9};
   std::uint32_t seed{1};
 };
 

@@ -11,8 +11,8 @@ namespace {
 using io::FriFamily;
 
 constexpr double kMmPerM = 1e3;
-constexpr std::size_t kHead = 4,
-                      kTail = 4;  // bytes before a framed message (its length) and after it (its CRC-32)
+// bytes before a framed message (its length) and after it (its CRC-32)
+constexpr std::size_t kHead = 4, kTail = 4;
 constexpr const char* kMotionCentre = "flange";  // name of the frame of the arm's poses
 
 void FillJoints(const control::JointArray& from, fri::JointValues& to) {

@@ -34,8 +34,8 @@ struct FriMonitoring {
   std::uint32_t send_period_ms{1};
   std::uint32_t receive_multiplier{1};
   control::JointArray q_meas{}, tau_meas{}, q_cmd{}, tau_cmd{}, tau_ext{};
-  std::array<double, 6>
-      wire_force{};             ///< external wrench in the wire's order of elements; only in version 2.7
+  /// External wrench in the wire's order of elements; only in version 2.7.
+  std::array<double, 6> wire_force{};
   PlainPose X_meas{}, X_ipo{};  ///< poses of the motion centre, in the robot's base; only in versions 2.x
   /// True in commanding states: q_ipo, the command mode and overlay JOINT are sent.
   bool has_ipo{false};
@@ -50,8 +50,8 @@ struct FriCommand {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
   bool has_joint_position{false}, has_wrench{false}, has_torque{false};
-  int joint_count{0}, wrench_count{0},
-      torque_count{0};  ///< numbers of values in the message; the arrays below hold the first seven or six
+  /// Numbers of values in the message; the arrays below hold the first seven or six.
+  int joint_count{0}, wrench_count{0}, torque_count{0};
   control::JointArray q{};              ///< [rad]
   std::array<double, 6> wire_wrench{};  ///< [N, N·m], in the wire's order of elements
   control::JointArray tau{};            ///< [N·m]

@@ -16,8 +16,8 @@ using control::SessionState;
 using kinematics::JointVector;
 
 constexpr int kGood = 2;  // value of LinkQuality::level() for GOOD
-constexpr int kIdleMessages =
-    10;  // number of messages sent in IDLE; the number that a real arm sends is not published
+// number of messages sent in IDLE; the number that a real arm sends is not published
+constexpr int kIdleMessages = 10;
 constexpr int kWrenchSize = 6;
 
 // Throws std::invalid_argument unless accepted.

@@ -9,8 +9,8 @@ namespace {
 
 using io::CanResult;
 
-constexpr int kMaxReads =
-    128;  // largest number of frames read in one call, so that the call returns even if frames keep arriving
+// largest number of frames read in one call, so that the call returns even if frames keep arriving
+constexpr int kMaxReads = 128;
 constexpr std::size_t kIdBytes = 2;
 // Room for the frames of one second on a full bus.
 constexpr WireRoom kRoom{.datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};

@@ -110,8 +110,8 @@ class ImpairedWire {
   std::uint64_t seed_;
   WireCounters counters_;
   std::vector<Slot> slots_;  // ring buffer of the datagrams in transit
-  std::vector<std::uint8_t>
-      bytes_;  // data of all slots, then of the present datagram, then of the reordered one
+  // data of all slots, then of the present datagram, then of the reordered one
+  std::vector<std::uint8_t> bytes_;
   std::size_t first_{0}, count_{0};
   rt::Nanoseconds last_due_{std::numeric_limits<rt::Nanoseconds>::min()};
   Held held_;

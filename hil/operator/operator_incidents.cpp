@@ -18,8 +18,8 @@ double EndOf(const StartledRelease& r) { return r.begin_s + r.jerk_s + r.release
 
 // Smooth progress, from 0 to 1, of a transition that takes `takes_s` and began `since_s` ago.
 double Progress(double since_s, double takes_s) {
-  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0,
-                    1.0);  // clamped, because rounding may exceed 1
+  // clamped, because rounding may exceed 1
+  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);
 }
 
 // Sets moment's jerk and grip to those of a startled release at time_s.

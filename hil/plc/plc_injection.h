@@ -29,9 +29,8 @@ class PlcInjection {
   void Step(rt::Nanoseconds now);
 
   [[nodiscard]] std::uint64_t hangs() const { return hangs_; }  ///< number of silences begun
-  [[nodiscard]] std::uint64_t drops() const {
-    return drops_;
-  }  ///< number of times that connections were closed
+  /// Number of times that connections were closed.
+  [[nodiscard]] std::uint64_t drops() const { return drops_; }
 
  private:
   PlcServer& server_;

@@ -29,8 +29,8 @@ struct PlcLogicInputs {
   ModeSelector mode{ModeSelector::kNone};
   bool reset{false};  ///< reset button; takes effect when it is pressed, not while it is held
   bool brake_test_due{false};
-  std::uint16_t controller_heartbeat{0},
-      guard_heartbeat{0};  ///< values that were last written to the registers
+  /// Values that were last written to the registers.
+  std::uint16_t controller_heartbeat{0}, guard_heartbeat{0};
   bool motion_request{false};
   bool guard_permits{true};  ///< the guard does not withdraw the request for motion; used only while the
                              ///< guard's heartbeat is alive
@@ -45,8 +45,8 @@ enum class PlcBlock : std::uint16_t {
   kNoController = 1u << 3,    ///< the controller's heartbeat has not been alive yet
   kNoGuard = 1u << 4,
   kNoMode = 1u << 5,  ///< no mode is selected
-  kNotEnabled =
-      1u << 6,  ///< the enabling switch is not in its middle position, or was squeezed and not released since
+  /// The enabling switch is not in its middle position, or was squeezed and not released since.
+  kNotEnabled = 1u << 6,
   kNotRequested = 1u << 7,   ///< there is no valid request for motion from the controller
   kNotReset = 1u << 8,       ///< latched: the reset button was not pressed since the PLC started
   kGuardWithdrew = 1u << 9,  ///< latched: the guard withdrew the request

@@ -18,8 +18,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr std::size_t kMaxClients =
-    4;  // largest number of simultaneous connections; further ones are refused
+// largest number of simultaneous connections; further ones are refused
+constexpr std::size_t kMaxClients = 4;
 constexpr std::uint16_t kFirst = 970, kLast = 983;  // registers that the PLC writes
 // registers that controller and guard write
 constexpr std::uint16_t kControllerHeartbeat = 990, kMotionRequest = 991, kGuardHeartbeat = 992,

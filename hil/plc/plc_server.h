@@ -96,8 +96,8 @@ class PlcServer {
   PlcPanel panel_;
   PlcLogicOutputs outputs_;
   PlcServerCounters counters_;
-  std::atomic<rt::Nanoseconds> delay_{0},
-      delay_once_{0};         ///< delay of each answer, and of the next answer only
+  /// Delay of each answer, and of the next answer only.
+  std::atomic<rt::Nanoseconds> delay_{0}, delay_once_{0};
   std::atomic<int> busy_{0};  ///< number of requests that are still to be refused
   std::atomic<bool> hung_{false}, program_stopped_{false}, drop_{false}, stop_{false};
   std::thread thread_;

@@ -134,11 +134,8 @@ void RsiController::Restart() {
   state_.delay = excused_delay_ = 0;
   state_.stop = {};
   state_.counters = {};
-  first_ipoc_ =
-      params_.ipoc_step == 1
-          ? 1
-          : state_.ipoc +
-                10'000u;  // an IPOC that counts messages starts at 1 again; one that counts time continues
+  // an IPOC that counts messages starts at 1 again; one that counts time continues
+  first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;
   state_.ipoc = first_ipoc_ - static_cast<std::uint64_t>(params_.ipoc_step);
 }
 

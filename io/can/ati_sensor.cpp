@@ -20,8 +20,8 @@ enum Code : std::uint16_t {
   kCounts = 0x7,
   kUnits = 0x8,
 };
-constexpr int kStepCounts = 6, kStepUnits = 7,
-              kStepRunning = 8;  // values of step_; the values 0 … 5 request the matrix's rows
+// values of step_; the values 0 … 5 request the matrix's rows
+constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;
 
 // Size of each unit in N or N·m, indexed by its code on the wire; code 0 is unused. Force: lbf, N, klbf, kN,
 // kgf, gf. Torque: lbf·in, lbf·ft, N·m, N·mm, kgf·cm, kN·m.

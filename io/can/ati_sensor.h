@@ -18,8 +18,8 @@ struct AtiParams {
   std::uint8_t base{0x20};
   /// Time between requests; the sensor answers each with one reading.
   rt::Nanoseconds period{rt::kMillisecond};
-  rt::Nanoseconds answer_timeout{50 *
-                                 rt::kMillisecond};  ///< longest time to wait for an answer during set-up
+  /// Longest time to wait for an answer during set-up.
+  rt::Nanoseconds answer_timeout{50 * rt::kMillisecond};
   int attempts{3};         ///< largest number of times that a set-up request is sent
   int bias_readings{100};  ///< number of readings averaged for a bias
 };

@@ -25,8 +25,8 @@ class CanClient {
 class CanPump {
  public:
   static constexpr std::size_t kMaxClients = 4;
-  static constexpr std::size_t kMaxReads =
-      128;  ///< largest number of frames read in one call, so that many frames cannot delay the tick
+  /// Largest number of frames read in one call, so that many frames cannot delay the tick.
+  static constexpr std::size_t kMaxReads = 128;
   static constexpr std::size_t kMaxSends = 16;  ///< largest number of frames sent for one client in one call
 
   explicit CanPump(CanBus& bus) : bus_(bus) {}

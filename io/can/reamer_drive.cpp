@@ -173,8 +173,8 @@ void ReamerDrive::HandleSdo(const CanFrame& frame) OSTEON_RT {
   }
   if (phase_ != DrivePhase::kStarting || step_ >= steps_.size() || attempts_ == 0) return;
   const Step& step = steps_[step_];
-  if (answer->index != step.object.index || answer->sub != step.object.sub)
-    return;  // answer to an earlier request
+  // answer to an earlier request
+  if (answer->index != step.object.index || answer->sub != step.object.sub) return;
   if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Failure::kAborted, answer->value);
   if ((step.kind == Step::Kind::kRead) != (answer->kind == canopen::SdoAnswer::Kind::kValue)) return;
   if (step.kind == Step::Kind::kRead) {
@@ -295,9 +295,8 @@ void ReamerDrive::Fail(Failure wrong, std::uint32_t found) OSTEON_RT {
 }
 
 bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
-  if (phase_ == DrivePhase::kFailed)
-    return false;  // nothing is sent: a drive that still turns stops because it misses the controller's
-                   // heartbeat
+  // nothing is sent: a drive that still turns stops because it misses the controller's heartbeat
+  if (phase_ == DrivePhase::kFailed) return false;
   if (now >= next_heartbeat_) {
     next_heartbeat_ = now + params_.heartbeat;
     frame = canopen::Heartbeat(params_.master_node, NmtState::kOperational);
@@ -331,8 +330,8 @@ bool ReamerDrive::NextSetUpFrame(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT
     return false;
   }
   ++attempts_;
-  if (step_ >=
-      steps_.size()) {  // all steps are done: send NMT start, and wait until the heartbeat confirms it
+  // all steps are done: send NMT start, and wait until the heartbeat confirms it
+  if (step_ >= steps_.size()) {
     step_ = steps_.size() + 1;
     due_ = now + params_.answer_timeout + 2 * params_.heartbeat;
     frame = canopen::Nmt(NmtCommand::kStart, params_.node);

@@ -45,8 +45,8 @@ enum DriveFault : std::uint32_t {
   kDriveInFault = 1u << 3,      ///< the drive's state is fault or fault reaction; see DriveStatus::error_code
   kDriveRestarted = 1u << 4,    ///< the drive booted and lost its configuration
   kDriveLeftEnabled = 1u << 5,  ///< the drive left the state "operation enabled" without a command
-  kDriveLeftOperational =
-      1u << 6,  ///< the drive's heartbeat reports another NMT state; see DriveStatus::nmt_state
+  /// The drive's heartbeat reports another NMT state; see DriveStatus::nmt_state.
+  kDriveLeftOperational = 1u << 6,
 };
 
 enum class DrivePhase : std::uint8_t {

@@ -18,8 +18,8 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxSkipped =
-    64;  // largest number of error frames and invalid frames skipped in one call
+// largest number of error frames and invalid frames skipped in one call
+constexpr std::size_t kMaxSkipped = 64;
 
 // Finds the interface `name` and its index, with any CAN socket `fd`. Returns an error text, e.g. that the
 // interface is down; empty if the interface is usable.
