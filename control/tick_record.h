@@ -21,9 +21,8 @@ enum class Phase : std::uint8_t {
 /// Inputs of a tick, except those that are fields of TickRecord (q_meas, session_state, model_frame). With
 /// all inputs and the frames of the simulation, `osteon replay` computes the tick again, bit for bit. Plain
 /// data.
-/// Time given to the tick; 0: the recording predates this field.
 struct TickInput {
-  rt::Nanoseconds now{0};
+  rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording predates this field
   rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
   // copied from ArmState
   std::uint32_t sequence{0}, activation{0};
@@ -62,11 +61,10 @@ struct TickInput {
 };
 
 /// Result of a tick's guidance along a surgical plan (control/guidance). Plain data.
-/// The cell has guidance and rendered in this tick; otherwise all fields are zero.
 struct GuidanceRecord {
-  bool present{false};
-  PlainWrench F_T_W;  ///< rendered wrench of the guidance, on T at To, in W; part of F_coupling_T_W
-  double share{0.0};  ///< sigma: the share of the guidance that was rendered, 0 … 1
+  bool present{false};  ///< the cell has guidance and rendered in this tick; otherwise all fields are zero
+  PlainWrench F_T_W;    ///< rendered wrench of the guidance, on T at To, in W; part of F_coupling_T_W
+  double share{0.0};    ///< sigma: the share of the guidance that was rendered, 0 … 1
   /// U: potential energy of the unscaled guidance at this pose; 0 inside the corridor.
   double potential_J{0.0};
   double energy_J{0.0};  ///< E: energy that the guidance has given to the tool; negative: taken from the tool

@@ -31,11 +31,10 @@ struct ArmStatus {
 }
 
 /// The arm's joints, and its tool's pose and velocity.
-/// [rad]; the seventh joint of a six-axis arm is 0.
 struct ArmMotion {
-  control::JointArray q_meas{}, q_cmd{};
-  Pose X_BT{Pose::Identity()};  ///< pose of the tool, computed from the joints' positions
-  Twist V_BT;                   ///< velocity of T in B, expressed in B
+  control::JointArray q_meas{}, q_cmd{};  ///< [rad]; the seventh joint of a six-axis arm is 0
+  Pose X_BT{Pose::Identity()};            ///< pose of the tool, computed from the joints' positions
+  Twist V_BT;                             ///< velocity of T in B, expressed in B
   /// Present pose of the base, relative to its pose at rest (the mount may be flexible). Joints and X_BT are
   /// relative to the present base.
   Pose X_BBnow{Pose::Identity()};

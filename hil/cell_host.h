@@ -18,9 +18,8 @@
 
 namespace osteon::hil {
 
-/// Its injections apply to all wires, not only to the arm's.
 struct CellHostParams {
-  CellThreadParams arm;
+  CellThreadParams arm;    ///< its injections apply to all wires, not only to the arm's
   io::DeviceParams wires;  ///< the controller's parameters; the host opens the devices' ends of the buses and
                            ///< tunnels that they name
   SimulatedDeviceParams devices;

@@ -55,9 +55,8 @@ void FriArm::SetPower(bool on) {
     server_.PowerOff();
 }
 
-// time in MONITORING_READY before IDLE; a public log shows 0.083 s
 bool FriArm::EndSession() {
-  constexpr double kUntilIdle_s = 0.05;
+  constexpr double kUntilIdle_s = 0.05;  // time in MONITORING_READY before IDLE; a public log shows 0.083 s
   if (server_.session_end() == SessionEnd::kSilence || server_.state() == control::SessionState::kIdle)
     return false;
   server_.CloseAfter(kUntilIdle_s);

@@ -6,9 +6,8 @@
 namespace osteon::hil {
 
 /// Parameters of a KR with its controller, and of the operator at its pad.
-/// The cell sets its start_deg.
 struct RsiArmParams {
-  RsiControllerParams controller{};
+  RsiControllerParams controller{};  ///< the cell sets its start_deg
   /// Number of answers in a session after which the arm counts as handed over; >= 1. It should equal the
   /// number of answers that the PC sends without a correction (io::RsiSessionParams::settle_messages).
   int handed_over_answers{10};

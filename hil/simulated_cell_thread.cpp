@@ -52,8 +52,8 @@ void SimulatedCellThread::Run() {
     const rt::Nanoseconds now = rt::MonotonicNow();
     cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
-    loads_.Store(cell_.force());  // stored before the message is sent, so that the load is available when the
-                                  // client answers
+    // stored before the message is sent, so that the load is available when the client answers
+    loads_.Store(cell_.force());
     answered_ = false;
     if (cell_.state().active_once) {
       wires_.StartSchedule(now);
@@ -87,9 +87,8 @@ void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics
 }
 
 // Passes all received datagrams on. Returns true if the answer to the message last sent has arrived.
-// one more byte, to detect an oversized datagram
 bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
-  std::array<std::uint8_t, kFriMaxDatagram + 1> bytes;
+  std::array<std::uint8_t, kFriMaxDatagram + 1> bytes;  // one more byte, to detect an oversized datagram
   const rt::Nanoseconds now = rt::MonotonicNow();
   statistics.undelivered += client_.ReceiveAll(
       bytes, [&](std::span<const std::uint8_t> datagram) { wires_.from_controller.Push(datagram, now); });

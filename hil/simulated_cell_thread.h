@@ -15,8 +15,8 @@
 
 namespace osteon::hil {
 
-/// client's IPv4 address in dotted notation.
 struct CellThreadParams {
+  /// Client's IPv4 address in dotted notation.
   std::string client_address{"127.0.0.1"};
   std::uint16_t client_port{30200};  ///< port on which the client listens
   rt::RealtimeThreadParams thread{.priority = 80};

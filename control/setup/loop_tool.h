@@ -12,10 +12,9 @@ namespace osteon::control {
 
 /// The servo loop's data of one tool: one entry of the loop's table of tools. A change of tool selects an
 /// entry during the run. All entries are prepared before the run.
-/// Tool on the flange.
 struct LoopTool {
-  Pose X_FT{Pose::Identity()};
-  ForceSensorParams sensor;  ///< includes this tool's load, which the sensor carries
+  Pose X_FT{Pose::Identity()};  ///< tool on the flange
+  ForceSensorParams sensor;     ///< includes this tool's load, which the sensor carries
   /// Model of the arm with this tool as payload; replaces ServoParams::arm_body. Absent: the loop keeps its
   /// present model.
   std::optional<kinematics::ChainParams<7>> arm_body{};

@@ -7,9 +7,8 @@
 namespace osteon::control {
 
 /// Tuning of AgeGovernor. Every field has a usable default.
-/// false: both factors stay 1.
 struct AgeGovernorParams {
-  bool acts{true};
+  bool acts{true};  ///< false: both factors stay 1
   /// Largest factor on the law's damping; >= 1. If this is not enough, the coupling is scaled down.
   double max_damping_factor{20.0};
   double release_s{0.2};        ///< time constant of the release; the rise is immediate
@@ -30,9 +29,8 @@ struct AxisDamping {
 };
 
 /// Ages of the inputs of the coupling.
-/// Age of the pose at which the planes are evaluated.
 struct StiffnessAges {
-  double pose_s{0.0};
+  double pose_s{0.0};    ///< age of the pose at which the planes are evaluated
   double planes_s{0.0};  ///< age of the planes
 };
 

@@ -7,9 +7,8 @@
 namespace osteon::control {
 
 /// Tuning of EnergyTank. Every field has a usable default.
-/// false: the tank stays full and limits nothing.
 struct EnergyTankParams {
-  bool acts{true};
+  bool acts{true};     ///< false: the tank stays full and limits nothing
   double cap_J{1.0};   ///< capacity and initial energy; should hold F_max^2 / 2K (200 N at 20 N/mm: 1 J)
   double ramp_s{0.1};  ///< shortest time in which the scale returns from 0 to 1
 };

@@ -6,9 +6,8 @@
 namespace osteon::control {
 
 /// Tuning of PassivityController. Every field has a usable default.
-/// false: the energy is observed and recorded, but no damping is added.
 struct PassivityParams {
-  bool acts{true};
+  bool acts{true};  ///< false: the energy is observed and recorded, but no damping is added
   /// Dissipated energy that the observer remembers and lets the planes give back; >= 0. It must exceed the
   /// errors of the observed energy: of the trapezoidal sum, of changes between frames, and of the coupling's
   /// damping, which is one tick old.
@@ -35,9 +34,8 @@ enum class PortWork {
 };
 
 /// The coupling's port in a tick: force, motion and energy exchanged with the tool.
-/// Rendered wrench of the planes: faded, limited; zero without contact.
 struct PortTick {
-  Wrench F_T_W{};
+  Wrench F_T_W{};           ///< rendered wrench of the planes: faded, limited; zero without contact
   double potential_J{0.0};  ///< U: stored energy that the planes give back if the tool leaves them
   double paid_J{0.0};  ///< energy that the tank paid into the planes in this tick; the planes may give it out
   bool contact{false};

@@ -26,9 +26,8 @@ struct StabiliserParams {
 void Validate(const StabiliserParams& params);
 
 /// Properties of the law that the stabilisers depend on.
-/// >= 0.
 struct StabilisedLaw {
-  AxisDamping damping;
+  AxisDamping damping;     ///< >= 0
   double pose_age_s{0.0};  ///< age of the pose at which the planes are evaluated
   PortWork work{PortWork::kTrapezoid};
   double max_damping_Ns_per_m{1e3};  ///< largest damping that a tick of the law tolerates; > 0

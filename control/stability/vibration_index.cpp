@@ -211,8 +211,8 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   const double oscillation_energy = force_.oscillation_energy + torque_.oscillation_energy,
                band_energy = force_.band_energy + torque_.band_energy;
   const double goal = wanted(oscillation_energy), alert = wanted(band_energy);
-  const double min_energy = params_.share_low / (1.0 - params_.share_low) *
-                            floor2;  // energies below this value never raise the index
+  // energies below this value never raise the index
+  const double min_energy = params_.share_low / (1.0 - params_.share_low) * floor2;
   reference_.Step(oscillation_energy, goal, seen_, min_energy, period_s_);
   toward(seen_, reference_.testing() ? 1.0 : goal,
          reference_.attributed_to_hand() ? params_.release_s : params_.decay_ratio * params_.rise_s);

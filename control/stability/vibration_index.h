@@ -11,9 +11,8 @@
 namespace osteon::control {
 
 /// Tuning of VibrationIndex. Every field has a usable default.
-/// false: the index is computed and recorded, but changes nothing.
 struct VibrationParams {
-  bool acts{true};
+  bool acts{true};       ///< false: the index is computed and recorded, but changes nothing
   double low_hz{5.0};    ///< lower edge of the band in which hand and arm oscillate: above intended motion
   double high_hz{40.0};  ///< upper edge of this band; > low_hz
   double slow_hz{1.5};   ///< intended motion lies between this and low_hz; < low_hz

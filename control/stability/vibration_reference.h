@@ -5,9 +5,8 @@
 namespace osteon::control {
 
 /// Tuning of VibrationReference. Every field has a usable default.
-/// RMS force of a hand's tremor that is tolerated before any test; >= 0.
 struct ReferenceParams {
-  double tremor_N{0.2};
+  double tremor_N{0.2};    ///< RMS force of a hand's tremor that is tolerated before any test; >= 0
   double margin{1.25};     ///< vibration up to this factor times the reference is tolerated; >= 1
   double suspect_s{0.12};  ///< a test starts once vibration has lasted this long in total
   double test_s{0.25};     ///< duration of a test, during which the virtual tool has high drag

@@ -30,19 +30,17 @@ struct SharedInstance {
 };
 
 /// Subgroup sizes of a device. A subgroup is a set of invocations of a workgroup that execute together.
-/// Size of a subgroup in a pass that requests no size.
 struct Subgroups {
-  std::uint32_t size{0};
+  std::uint32_t size{0};  ///< size of a subgroup in a pass that requests no size
   bool can_choose{false};
   std::uint32_t min_size{0}, max_size{0};  ///< range of sizes that a pass can request; both are powers of two
   bool can_be_full{false};                 ///< a pass can require that all its invocations are active
 };
 
 /// Device and one compute queue.
-/// Kept until the process's end.
 struct Context {
-  std::shared_ptr<SharedInstance> shared;
-  bool validation{false};  ///< with the validation layers
+  std::shared_ptr<SharedInstance> shared;  ///< kept until the process's end
+  bool validation{false};                  ///< with the validation layers
   std::optional<vk::raii::PhysicalDevice> physical;
   std::optional<vk::raii::Device> device;
   std::optional<vk::raii::Queue> queue;

@@ -29,18 +29,16 @@ enum class Arithmetic : std::uint8_t {
 }
 
 /// A feature or limit that the cutting engine needs and that a device lacks.
-/// e.g. "shaderFloat64".
 struct UnmetNeed {
-  std::string name;
+  std::string name;      ///< e.g. "shaderFloat64"
   std::string found;     ///< e.g. "no"
   std::string accepted;  ///< e.g. "yes"
   std::string why;       ///< purpose for which the engine needs it
 };
 
 /// One Vulkan device of this machine.
-/// As the driver reports it, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)".
 struct DeviceInfo {
-  std::string name;
+  std::string name;                ///< as the driver reports it, e.g. "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string kind;                ///< "discrete", "integrated", "virtual", "cpu" or "other"
   std::string api_version;         ///< e.g. "1.3.239"
   std::string driver;              ///< e.g. "llvmpipe Mesa 22.3.6"

@@ -36,9 +36,8 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
   // If the driver has just compiled the passes, open the device again: only a newly opened device gets the
   // faster code from the driver's cache.
-  // also closes its device
   if (program->compiled()) {
-    program.reset();
+    program.reset();  // also closes its device
     auto again = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
     if (!again) return again.error();
     program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
@@ -106,9 +105,8 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
 // Computes the part of a Frame that is the same in every frame.
 void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   DoublePrecision& exact = frame_constants.exact;
-  // N/mm^2
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    exact.cutting_energy[i] = materials[i].specific_cutting_energy_J_per_m3 * 1e-6;
+    exact.cutting_energy[i] = materials[i].specific_cutting_energy_J_per_m3 * 1e-6;  // N/mm^2
     exact.force_ratio[i] = materials[i].cutting_force_ratio;
     exact.edge_force[i] = materials[i].edge_force_N_per_m / kMillimetres;
   }

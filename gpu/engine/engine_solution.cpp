@@ -60,9 +60,8 @@ simulation::FrameSolution VulkanEngine::Impl::Solution(const Frame& done) {
   ReadNearField(done, s.contact_fraction);
   simulation::ContactSolution held;
   held.goal.count = static_cast<int>(done.hold_count);
-  // the same indices as in FindCandidates
   for (std::size_t k = 0; k < done.hold_count; ++k) {
-    held.goal.plane[k] = done.hold_candidate[k];
+    held.goal.plane[k] = done.hold_candidate[k];  // the same indices as in FindCandidates
     held.goal.multiplier_m[k] = done.exact.hold[k] / kMillimetres;
     candidates.pairs[done.hold_candidate[k]].n = Direction(done.exact.hold_n[k]);
   }

@@ -121,9 +121,8 @@ simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& 
   return model;
 }
 
-// memory_only: without balls and points
 simulation::CarvedState VulkanEngine::Snapshot() const {
-  simulation::CarvedState state, memory_only;
+  simulation::CarvedState state, memory_only;  // memory_only: without balls and points
   ToState(impl_->memory, memory_only);
   if (impl_->lost) return memory_only;
   state = memory_only;

@@ -43,9 +43,8 @@ struct VulkanOverrides {
   std::optional<bool> fused_fma{};           ///< replaces the result of HasFusedFma; only without doubles
 };
 
-/// Part of a device's name; empty: the default device.
 struct VulkanParams {
-  std::string device;
+  std::string device;       ///< part of a device's name; empty: the default device
   bool validation{false};   ///< run with the validation layers, including synchronisation validation
   bool time_passes{false};  ///< take timestamps between the passes; software drivers wait at each timestamp
   bool brute_force{false};  ///< test every pair in every pass: the baseline for measuring the culling
@@ -60,9 +59,8 @@ struct VulkanParams {
 };
 
 /// Amount of work in the last frame.
-/// Bone balls within reach of the tool.
 struct FrameStats {
-  std::size_t active_balls{0};
+  std::size_t active_balls{0};  ///< bone balls within reach of the tool
 };
 
 /// Device time of one pass of the last frame.

@@ -88,9 +88,8 @@ struct Instruction {
   Words words;  ///< all words except the first, which has the instruction's number and length
 };
 
-/// Five words; the fourth is one more than the largest id.
 struct Module {
-  Words header;
+  Words header;  ///< five words; the fourth is one more than the largest id
   std::vector<Instruction> instructions;
 };
 

@@ -444,9 +444,8 @@ bool FrameProgram::RunCommands(FrameMode mode, std::uint64_t timeout_ns) {
 
 bool FrameProgram::IsIdle(std::uint64_t timeout_ns) const try {
   return context_->device->waitForFences(*fence_, VK_TRUE, timeout_ns) == vk::Result::eSuccess;
-  // a lost device has no more work
 } catch (const std::exception&) {
-  return true;
+  return true;  // a lost device has no more work
 }
 
 std::vector<PassTime> FrameProgram::PassTimes() const {

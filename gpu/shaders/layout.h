@@ -72,10 +72,9 @@ struct Sum {
 };
 
 // Frame values that need double precision. Millimetres, newtons, seconds.
-// T's origin at the proxy and at the tool's pose
 struct DoublePrecision {
-  dvec3 start, goal;
-  dvec3 axis;  // axis of the spindle
+  dvec3 start, goal;  // T's origin at the proxy and at the tool's pose
+  dvec3 axis;         // axis of the spindle
   double enlargement, tolerance, layer, max_slide;
   double stiffness, max_force, spindle_rad_per_s, dt_s;
   double work_held_back;  // part of this frame's work that reduces the energy lead
@@ -109,9 +108,8 @@ struct DispatchArgs {
 };
 
 // A pair that may hold the tool, as found at first contact.
-// unit, from bone to tool
 struct Candidate {
-  float n_x, n_y, n_z;
+  float n_x, n_y, n_z;  // unit, from bone to tool
   float gap_mm;
   float yielding_gap_mm;  // gap at which it holds: see simulation::Candidates
   uint bone_ball, tool_ball;
@@ -119,11 +117,11 @@ struct Candidate {
 };
 
 // One frame: inputs from the host, then results of the passes.
-// result; all ones where there is no pair results: fraction of the path at first contact, and fractions of
-// the slide (with the turn, straight) at its first contact. They are bits of doubles, which sort like the
-// doubles while the sign is the same
 struct Frame {
-  OSTEON_ARRAY(Key64, bin_keys, kBins);
+  OSTEON_ARRAY(Key64, bin_keys, kBins);  // result: key of the nearest pair of each bin; all ones: no pair
+  // Results: fraction of the path at first contact; fractions at first contact of the slide with the turn and
+  // of the straight slide. Each key is the bits of a double, which sort like the doubles because all of them
+  // are positive.
   Key64 contact_key, slide_key, straight_key;
   DoublePrecision exact;
 
@@ -236,10 +234,9 @@ struct SplitUpload {
 };
 
 // A block of children.
-// smaller children are dropped
 struct Block {
-  float min_mm;
-  uint live;  // number of children left
+  float min_mm;  // smaller children are dropped
+  uint live;     // number of children left
 };
 
 // A cluster of 64 balls or points, and the tool balls that can meet it: tool_refs[first …] in ascending

@@ -13,9 +13,8 @@ namespace osteon::hil {
 using ArmLevel = simulation::ArmFidelity;
 
 /// The command to the arm's controller for one cycle.
-/// kNone is treated as kPosition.
 struct ArmDrive {
-  control::ControlMode control{control::ControlMode::kPosition};
+  control::ControlMode control{control::ControlMode::kPosition};           ///< kNone is treated as kPosition
   kinematics::JointVectorN<7> q_cmd{kinematics::JointVectorN<7>::Zero()};  ///< [rad]
   /// Torque overlay in joint impedance.
   kinematics::JointVectorN<7> tau_Nm{kinematics::JointVectorN<7>::Zero()};

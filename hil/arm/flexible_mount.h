@@ -9,9 +9,8 @@ namespace osteon::hil {
 
 /// Parameters of the arm's mount. All values are assumed. A steel pedestal has a stiffness near 5e6 N/m, a
 /// cart on locked castors a far lower one.
-/// Along each of B's axes x, y, z; > 0.
 struct FlexibleMountParams {
-  double stiffness_N_per_m{2e6};
+  double stiffness_N_per_m{2e6};     ///< along each of B's axes x, y, z; > 0
   double stiffness_Nm_per_rad{5e5};  ///< about each of B's axes, at B's origin; > 0
   /// Damping ratio of each direction alone, with the arm in its posture at the start.
   double damping_ratio{0.05};
@@ -40,9 +39,8 @@ class FlexibleMount {
                 const Vector3& gravity_B, const Joints& q_start);
 
   /// Motion of the arm on the mount, and the external wrench on it.
-  /// [rad].
   struct Input {
-    const Joints& q;
+    const Joints& q;               ///< [rad]
     const Joints& qd;              ///< [rad/s]
     Wrench F_B{};                  ///< its force acts at the point p_B of frame B
     Vector3 p_B{Vector3::Zero()};  ///< [m]

@@ -58,9 +58,8 @@ void ServoArm::Advance(const Part& part, const kinematics::JointVector& target) 
     const Eigen::Vector2d x = part.transition * Eigen::Vector2d(q_[i] - target[i], qd_[i]);
     // x: distance from the target, and speed, at the end of the part if no limit acts
     const double wanted = (x[1] - qd_[i]) / part.duration_s;  // mean acceleration over the part
-    const double speed =
-        (target[i] + x[0] - q_[i]) / part.duration_s;  // mean velocity over the part; checked too, because
-                                                       // the velocity's peak may lie within the part
+    // mean velocity over the part; checked too, because the velocity's peak may lie within the part
+    const double speed = (target[i] + x[0] - q_[i]) / part.duration_s;
     if (std::abs(wanted) <= max_acceleration_rad_per_s2_ && std::abs(x[1]) <= max_speed_rad_per_s_[i] &&
         std::abs(speed) <= max_speed_rad_per_s_[i]) {
       q_[i] = target[i] + x[0];

@@ -10,9 +10,8 @@ namespace osteon::hil {
 
 /// Parameters of the simulated arm's lag. The values are assumptions and should be varied: the lag of no real
 /// arm was measured.
-/// Natural frequency of each joint.
 struct ServoArmParams {
-  double bandwidth_hz{15.0};
+  double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z
   /// Number of periods from a command to its first effect, not necessarily whole, 0 …
   /// ServoArm::kMaxDeadCycles.

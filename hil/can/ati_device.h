@@ -11,9 +11,8 @@
 
 namespace osteon::hil {
 
-/// Gauges saturate 9 % beyond these ranges.
 struct AtiDeviceParams {
-  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};
+  SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< gauges saturate 9 % beyond these ranges
   int base{0x20};
   std::uint32_t counts_per_N{1'000'000}, counts_per_Nm{1'000'000};
   int force_unit{2}, torque_unit{3};  ///< unit codes that the device reports; defaults: N and N·m. The counts

@@ -3,9 +3,8 @@
 namespace osteon::hil {
 
 /// Parameters of a velocity-controlled motor with a gear. Angles and torques are on the motor's side.
-/// Inertia of motor, gear and tool, referred to the motor.
 struct DriveMotorParams {
-  double inertia_kg_m2{2e-4};
+  double inertia_kg_m2{2e-4};      ///< inertia of motor, gear and tool, referred to the motor
   double rated_torque_Nm{0.5};     ///< rated torque of the motor
   double torque_limit_ratio{3.0};  ///< largest torque, as a multiple of the rated torque
   double gear_ratio{20.0};         ///< turns of the motor per turn of the tool

@@ -16,9 +16,8 @@ struct RobotousDeviceParams {
 };
 
 /// Faults of the device.
-/// No supply: the device loses its settings and sends nothing.
 struct RobotousDeviceFaults {
-  bool silent{false};
+  bool silent{false};          ///< no supply: the device loses its settings and sends nothing
   bool keeps_its_rate{false};  ///< the device confirms a new rate but keeps the old rate; a read of the rate
                                ///< returns the old one
   /// A read of the rate returns the requested rate, but readings are sent at 200 Hz.

@@ -10,9 +10,8 @@
 namespace osteon::hil {
 
 /// Errors between the load on a force sensor and its reading; none by default.
-/// RMS value of white noise.
 struct SensorModelParams {
-  double noise_N{0.0}, noise_Nm{0.0};
+  double noise_N{0.0}, noise_Nm{0.0};              ///< RMS value of white noise
   PlainWrench bias{};                              ///< reading without a load, in N and N·m
   PlainVector3 drift_N_per_s{}, drift_Nm_per_s{};  ///< rate of change of the bias, from the first sample on
   //
@@ -23,10 +22,9 @@ struct SensorModelParams {
 /// Reading = clamp(load + bias + drift t + noise). The same seed and calls give the same readings.
 class SensorModel {
  public:
-  /// Fx Fy Fz [N], Tx Ty Tz [N·m].
   struct Sample {
-    std::array<double, 6> value{};
-    unsigned saturated{0};  ///< bit i: axis i exceeds its range
+    std::array<double, 6> value{};  ///< Fx Fy Fz [N], Tx Ty Tz [N·m]
+    unsigned saturated{0};          ///< bit i: axis i exceeds its range
   };
 
   /// @throws std::invalid_argument on a negative noise or a range that is not positive.

@@ -79,9 +79,8 @@ struct FriCounters {
 };
 
 /// The arm's measurements, sent with the next message.
-/// [rad].
 struct ArmMeasurement {
-  kinematics::JointVector q{kinematics::JointVector::Zero()};
+  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< [rad]
   /// [N·m] measured by the joints' torque sensors; zero if the model has none.
   kinematics::JointVector tau_meas{kinematics::JointVector::Zero()};
   kinematics::JointVector tau_ext{kinematics::JointVector::Zero()};  ///< [N·m] caused by external loads

@@ -29,9 +29,8 @@ class FaultSchedule {
   [[nodiscard]] bool empty() const { return windows_.empty(); }
 
  private:
-  /// Relative to the schedule's start.
   struct Window {
-    rt::Nanoseconds from, to;
+    rt::Nanoseconds from, to;  ///< relative to the schedule's start
     WireFaults faults;
   };
   std::vector<Window> windows_;

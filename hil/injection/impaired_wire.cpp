@@ -107,9 +107,8 @@ void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds 
 }
 
 void ImpairedWire::Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,
-                           // not due before the previous datagram
                            rt::Nanoseconds now) OSTEON_RT {
-  last_due_ = std::max(last_due_, due);
+  last_due_ = std::max(last_due_, due);  // not due before the previous datagram
   for (int i = 0; i < copies; ++i) {
     if (count_ == slots_.size()) {
       ++counters_.overflow;

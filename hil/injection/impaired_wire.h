@@ -34,10 +34,9 @@ struct WireCounters {
 };
 
 /// Capacity of a wire.
-/// Number of datagrams in transit; the default is one second at 1 kHz.
 struct WireRoom {
-  std::size_t datagrams{1024};
-  std::size_t bytes{1500};  ///< largest size of a datagram
+  std::size_t datagrams{1024};  ///< number of datagrams in transit; the default is one second at 1 kHz
+  std::size_t bytes{1500};      ///< largest size of a datagram
   /// Number of leading bytes of each datagram that are never damaged, e.g. an identifier.
   std::size_t intact{0};
 };

@@ -12,10 +12,9 @@ namespace osteon::hil {
 
 /// Faults of the datagrams (or frames) in one direction of one wire; none by default. Shares refer to the
 /// number of datagrams, 0 … 1.
-/// Share that never arrives.
 struct WireFaults {
-  double loss{0.0};
-  int burst{1};  ///< number of consecutive datagrams lost at a time; `loss` is still the overall share
+  double loss{0.0};  ///< share that never arrives
+  int burst{1};      ///< number of consecutive datagrams lost at a time; `loss` is still the overall share
   double duplicate{0.0};  ///< share that arrives twice
   /// Share that changes places with the next datagram; the next datagram is not delayed by that.
   double reorder{0.0};

@@ -19,10 +19,9 @@ enum class WallOn {
   kMeasured,   ///< the measured pose
 };
 
-/// 0: no wall.
 struct LoopWall {
-  double stiffness_N_per_m{0.0};
-  double damping_Ns_per_m{0.0};  ///< B: damping on the velocity of the pose of WallOn
+  double stiffness_N_per_m{0.0};  ///< 0: no wall
+  double damping_Ns_per_m{0.0};   ///< B: damping on the velocity of the pose of WallOn
   WallOn on{WallOn::kCommanded};
   int age_ticks{0};
 };

@@ -20,15 +20,13 @@ using LoopStep = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 [[nodiscard]] double SpectralRadius(const Eigen::MatrixXd& loop);
 
 /// The boundary of stability that an upward scan finds.
-/// Value at which the loop becomes unstable; without such a value, the end of the scan.
 struct Boundary {
-  double value{0.0};
+  double value{0.0};  ///< value at which the loop becomes unstable; without such a value, the end of the scan
   bool crossed{false};  ///< false: stable up to the end of the scan
 };
 
-/// > 0.
 struct BoundaryScan {
-  double from{1.0}, to{1e6};
+  double from{1.0}, to{1e6};  ///< > 0
   /// Ratio of successive values of the scan, > 1; a narrower range of instability may be missed.
   double factor{1.05};
   double tolerance{1e-4};  ///< relative tolerance of the boundary

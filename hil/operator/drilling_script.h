@@ -7,9 +7,8 @@ namespace osteon::hil {
 /// Parameters for drilling one hole. Depths and heights of the *tip* are measured from the site's centre,
 /// which lies on the surface where the drill enters. start_height_m and retract_height_m are heights of the
 /// head's centre, as in HandKey.
-/// site: centre of the circle where the drill enters, +z out of the bone.
 struct DrillingScriptParams {
-  PlainPose X_WC{};
+  PlainPose X_WC{};             ///< site: centre of the circle where the drill enters, +z out of the bone
   double head_radius_m{0.002};  ///< radius of the ball at the drill's tip, which the hand guides
   double tool_yaw_rad{0.0};
   double seconds{10.0};  ///< >= 0.1

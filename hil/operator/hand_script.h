@@ -33,10 +33,9 @@ struct HandPhase {
 };
 
 /// The hand's target at one moment.
-/// Pose toward which the hand pulls the tool.
 struct HandTarget {
-  Pose X_WT{Pose::Identity()};
-  Twist V_WT;  ///< velocity of T at that pose, in W
+  Pose X_WT{Pose::Identity()};  ///< pose toward which the hand pulls the tool
+  Twist V_WT;                   ///< velocity of T at that pose, in W
   double height_m{0.0};
   double force_limit_N{0.0};
   double grip{0.0};
@@ -88,9 +87,8 @@ class HandScript {
 };
 
 /// Parameters for reaming one acetabulum.
-/// The cup: centre of its sphere, +z out of the opening.
 struct ReamingScriptParams {
-  PlainPose X_WC{};
+  PlainPose X_WC{};  ///< the cup: centre of its sphere, +z out of the opening
   double head_radius_m{0.025};
   /// Rotation of the tool about its axis, e.g. for a better posture of the arm's wrist.
   double tool_yaw_rad{0.0};

@@ -7,9 +7,8 @@ namespace osteon::hil {
 /// Parameters for opening a cavity with a burr, such as the access to a tooth's root canals. Depths of the
 /// burr's *apex* are measured from the site's centre, which lies on the surface. start_height_m and
 /// retract_height_m are heights of the head's centre, as in HandKey.
-/// The site: centre of its circle, +z out of the bone.
 struct OpeningScriptParams {
-  PlainPose X_WC{};
+  PlainPose X_WC{};  ///< the site: centre of its circle, +z out of the bone
   double head_radius_m{0.0008};
   double tool_yaw_rad{0.0};
   double seconds{10.0};  ///< >= 0.1

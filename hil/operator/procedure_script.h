@@ -7,9 +7,8 @@
 namespace osteon::hil {
 
 /// Parameters of an operator who works with the tools of a plan, one after the other.
-/// The plan: its centre, +z along its axis, out of the cup or the opening.
 struct ProcedureScriptParams {
-  PlainPose X_WC{};
+  PlainPose X_WC{};  ///< the plan: its centre, +z along its axis, out of the cup or the opening
   /// Radius of the head of the simulated arm's tool; the tool rotates about the head's centre.
   double head_radius_m{0.022};
   double tool_yaw_rad{0.0};
@@ -54,9 +53,8 @@ struct ProcedureScriptParams {
 [[nodiscard]] HandScript MakeProcedureScript(const ProcedureScriptParams& params);
 
 /// A time in which the hand holds a retracted tool, so that it can be changed.
-/// Since the script began.
 struct ToolHold {
-  double begin_s{0.0}, length_s{0.0};
+  double begin_s{0.0}, length_s{0.0};  ///< since the script began
 };
 
 /// Returns the holds, one after each tool except the last.

@@ -30,9 +30,8 @@ void RequireCommon(const Params& p) {
 }
 
 /// Length of a script, and bounds on the speed of its targets.
-/// Of the whole script.
 struct ScriptBounds {
-  double seconds{10.0};
+  double seconds{10.0};            ///< of the whole script
   double max_target_m_per_s{0.2};  ///< largest speed along the axis, and of the swing's radius
   double max_tilt_rad_per_s{0.5};
 };

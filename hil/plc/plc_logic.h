@@ -21,9 +21,8 @@ struct PlcLogicParams {
 };
 
 /// Inputs from the buttons and the wire.
-/// pressed.
 struct PlcLogicInputs {
-  bool emergency_stop{false};
+  bool emergency_stop{false};  ///< pressed
   EnablingSwitch enabling{EnablingSwitch::kReleased};
   bool foot_pedal{false};
   ModeSelector mode{ModeSelector::kNone};

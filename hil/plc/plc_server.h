@@ -14,11 +14,10 @@
 
 namespace osteon::hil {
 
-/// IPv4 address in dotted notation.
 struct PlcServerParams {
-  std::string bind_address{"127.0.0.1"};
-  std::uint16_t port{1502};  ///< 0: any free port
-  int cycle_ms{10};          ///< cycle of the PLC program, 1 … 100
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address in dotted notation
+  std::uint16_t port{1502};               ///< 0: any free port
+  int cycle_ms{10};                       ///< cycle of the PLC program, 1 … 100
   PlcLogicParams logic{};
 };
 

@@ -14,9 +14,8 @@
 namespace osteon::hil {
 
 /// Parameters of the simulated KR and of its RSI program.
-/// The KR's geometry and limits; there is no default.
 struct RsiControllerParams {
-  kinematics::OrthoParallelParams arm{};
+  kinematics::OrthoParallelParams arm{};  ///< the KR's geometry and limits; there is no default
   Six start_deg{0.0, -90.0, 90.0, 0.0, 90.0, 0.0};
   int cycle_ms{4};  ///< 4 (IPO_FAST) or 12 (IPO)
   RsiFormat format{RsiFormat::kImFree};

@@ -209,9 +209,9 @@ void AtiSensor::Restart() OSTEON_RT {
 bool AtiSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed || now < due_) return false;
   frame = {.id = Id(params_.base, kReadings)};
-  // drop the first half of an answer to an earlier request, so that it is not joined with a half of the next
-  // answer
   if (step_ == kStepRunning) {
+    // drop the first half of an answer to an earlier request, so that it is not joined with a half of the
+    // next answer
     joiner_.GiveUp();
     due_ = now - due_ > params_.period ? now + params_.period : due_ + params_.period;
     return true;

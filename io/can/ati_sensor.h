@@ -13,9 +13,8 @@
 
 namespace osteon::io {
 
-/// 0 … 0x7F; the sensor's identifiers are base << 4 … base << 4 | 0xF.
 struct AtiParams {
-  std::uint8_t base{0x20};
+  std::uint8_t base{0x20};  ///< 0 … 0x7F; the sensor's identifiers are base << 4 … base << 4 | 0xF
   /// Time between requests; the sensor answers each with one reading.
   rt::Nanoseconds period{rt::kMillisecond};
   /// Longest time to wait for an answer during set-up.

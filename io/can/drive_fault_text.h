@@ -8,9 +8,8 @@
 namespace osteon::io {
 
 /// Numbers of a drive's faults, for status and recording. Plain data.
-/// DriveFault bits.
 struct DriveFaultReport {
-  std::uint32_t faults{0};
+  std::uint32_t faults{0};          ///< DriveFault bits
   std::uint8_t nmt_state{0};        ///< NMT state in its last heartbeat
   std::uint16_t emergency_code{0};  ///< error code in its last EMCY; 0: none
   std::uint16_t error_code{0};      ///< object 603F; 0: none

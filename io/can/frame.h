@@ -13,9 +13,8 @@ inline constexpr std::uint16_t kCanMaxId = 0x7FF;  ///< largest identifier of 11
 
 /// A classical CAN data frame with an 11-bit identifier. Bytes beyond `size` are zero, so that equal frames
 /// compare equal.
-/// 0 … 0x7FF.
 struct CanFrame {
-  std::uint16_t id{0};
+  std::uint16_t id{0};   ///< 0 … 0x7FF
   std::uint8_t size{0};  ///< 0 … 8
   std::array<std::uint8_t, 8> data{};
 

@@ -13,9 +13,8 @@
 namespace osteon::io {
 
 /// A range of identifiers that a device uses on its bus, for sending or receiving.
-/// Name in errors, e.g. "reamer drive (node 5)".
 struct IdClaim {
-  std::string device;
+  std::string device;   ///< name in errors, e.g. "reamer drive (node 5)"
   std::string purpose;  ///< e.g. "RPDO1"
   std::uint16_t first{0}, last{0};
   std::string advice{};  ///< instruction for the user in case of a conflict

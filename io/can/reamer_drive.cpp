@@ -155,9 +155,8 @@ void ReamerDrive::Accept(const CanArrival& arrival) OSTEON_RT {
       } else if (const auto code = GetLittle<std::uint16_t>(frame.data.data()); code != 0) {
         status_.emergency_code = code;
         if (phase_ == DrivePhase::kReady) Latch(kDriveEmergency);
-        // "error reset"
       } else if ((status_.faults & kDriveEmergency) == 0) {
-        status_.emergency_code = 0;
+        status_.emergency_code = 0;  // "error reset"
       }
       return;
     default:
@@ -206,9 +205,8 @@ void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) 
     status_.state = DriveState::kNotReady;  // the state known so far is from before the boot
     status_.speed_rad_per_s = status_.torque_Nm = 0.0;
     was_enabled_ = false;
-    // the boot cleared the configuration
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
-    Restart();
+    Restart();  // the boot cleared the configuration
   } else if (step_ > steps_.size() && operational) {
     // the drive has executed the NMT command "start"
     phase_ = DrivePhase::kReady;

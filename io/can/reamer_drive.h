@@ -14,9 +14,8 @@
 
 namespace osteon::io {
 
-/// 1 … 127; at least 16 if an ATI sensor is on the same bus.
 struct ReamerDriveParams {
-  std::uint8_t node{16};
+  std::uint8_t node{16};          ///< 1 … 127; at least 16 if an ATI sensor is on the same bus
   std::uint8_t master_node{127};  ///< the controller's node, whose heartbeat the drive watches
   std::int8_t mode{3};            ///< 3 profile velocity, 9 cyclic synchronous velocity
   double gear_ratio{1.0};         ///< turns of the motor per turn of the tool
@@ -61,9 +60,8 @@ struct DriveCommand {
   double speed_rad_per_s{0.0};
 };
 
-/// Time of arrival of the newest status PDO; 0: none yet.
 struct DriveStatus {
-  rt::Nanoseconds stamp{0};
+  rt::Nanoseconds stamp{0};  ///< time of arrival of the newest status PDO; 0: none yet
   DriveState state{DriveState::kNotReady};
   double speed_rad_per_s{0.0};  ///< of the tool
   double torque_Nm{0.0};  ///< torque at the tool: reported share of the rated torque × rated torque × gear

@@ -122,9 +122,8 @@ std::vector<CanFilter> Filters(const RobotousParams& params) {
 void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
   if (joiner_.Add(arrival) != PairJoiner::Result::kJoined || phase_ == SensorPhase::kFailed) return;
   const auto& bytes = joiner_.bytes();
-  // "start" was not sent yet
   if (bytes[0] == kStartOutput && step_ >= Step::kStart) {
-    if (step_ == Step::kStart && attempts_ == 0) return;
+    if (step_ == Step::kStart && attempts_ == 0) return;  // "start" was not sent yet
     HandleReading(bytes, joiner_.stamp());
   } else {
     HandleAnswer(bytes);

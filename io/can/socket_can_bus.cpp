@@ -91,9 +91,8 @@ CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
     frames = frames.subspan(count);
     result = std::max(result, why);
   };
-  // valid frames before the first invalid one
   while (!frames.empty()) {
-    std::size_t count = 0;
+    std::size_t count = 0;  // valid frames before the first invalid one
     for (; count < std::min(frames.size(), out_.kMax); ++count) {
       const CanFrame& frame = frames[count];
       if (frame.id > kCanMaxId || frame.size > CAN_MAX_DLEN) break;
@@ -196,9 +195,8 @@ void SocketCanBus::HandleErrorFrame(std::uint32_t error_class, const std::uint8_
   if ((state & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) != 0) status_.error_warning = true;
   if ((state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) status_.error_passive = true;
   if ((state & CAN_ERR_CRTL_ACTIVE) != 0) status_.error_passive = status_.error_warning = false;
-  // the controller lost at least one frame
   if ((state & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
-    ++status_.lost;
+    ++status_.lost;  // the controller lost at least one frame
     gap_ = true;
   }
 }

@@ -17,9 +17,8 @@
 
 namespace osteon::io {
 
-/// A network interface of type CAN that is up.
 struct SocketCanParams {
-  std::string interface { "can0" };
+  std::string interface { "can0" };  ///< a network interface of type CAN that is up
   std::vector<CanFilter> filters{};  ///< frames to deliver; none: all frames
   /// Whether other programs of this machine receive the sent frames (candump, a simulated device on vcan).
   /// The sending socket itself never receives them.

@@ -18,9 +18,8 @@
 
 namespace osteon::io {
 
-/// IPv4 address of this end.
 struct UdpCanParams {
-  std::string bind_address{"127.0.0.1"};
+  std::string bind_address{"127.0.0.1"};  ///< IPv4 address of this end
   std::uint16_t bind_port{29536};
   /// IPv4 address of the peer. The system drops datagrams of other senders.
   std::string peer_address{"127.0.0.1"};

@@ -19,9 +19,8 @@ enum SensorFlag : std::uint32_t {
 
 /// One reading: force and torque on the sensor's tool side, at S's origin, in the manufacturer's sensor frame
 /// S. The tool's weight is included.
-/// Time of arrival of the reading's first frame; 0: no reading yet.
 struct SensorReading {
-  rt::Nanoseconds stamp{0};
+  rt::Nanoseconds stamp{0};  ///< time of arrival of the reading's first frame; 0: no reading yet
   PlainWrench F_S;
   std::uint32_t flags{0};   ///< SensorFlag bits
   std::uint16_t status{0};  ///< status word as sent; its bits depend on the manufacturer

@@ -15,9 +15,8 @@
 namespace osteon::io {
 
 /// A CAN bus of the cell.
-/// Name in the cell's file.
 struct CanBusParams {
-  std::string name;
+  std::string name;       ///< name in the cell's file
   std::string interface;  ///< name of a SocketCAN interface, e.g. can0; empty: the bus is a UDP tunnel to a
                           ///< simulated cell
   std::uint16_t port{0};  ///< UDP port of the controller's end of the tunnel, on the loopback interface

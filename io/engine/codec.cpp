@@ -10,10 +10,9 @@ namespace osteon::io {
 namespace {
 
 constexpr std::size_t kCrcAt = 12;  // position of the CRC-32 in the header
-constexpr double kMaxValue =
-    1e9;  // bound on the magnitude of every number, in SI units; no real value is near it
-constexpr double kMaxRotationError =
-    1e-6;                         // largest difference between an element of R R^T and that of the identity
+constexpr double kMaxValue = 1e9;   // bound on every number's magnitude, in SI units: far beyond any cell
+// Largest difference between an element of R R^T and that of the identity.
+constexpr double kMaxRotationError = 1e-6;
 constexpr double kMaxDt_s = 1.0;  // largest EngineCommand::dt_s
 
 // CRC-32 of a message, computed without the four bytes of the CRC-32 itself.

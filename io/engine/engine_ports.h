@@ -14,10 +14,9 @@
 namespace osteon::io {
 
 /// Counters of a connection to an engine.
-/// Frames received.
 struct EngineCounters {
-  std::uint64_t frames{0};
-  std::uint64_t lost{0};  ///< frames that the engine made but the run never received
+  std::uint64_t frames{0};  ///< frames received
+  std::uint64_t lost{0};    ///< frames that the engine made but the run never received
   /// Messages refused because they were damaged, invalid, or from an unknown sender.
   std::uint64_t rejected{0};
 };

@@ -29,9 +29,8 @@ struct alignas(64) SharedMessage {
 /// The atomic byte `middle` holds the index of the third buffer.
 ///
 /// Writer: one SlotWriter; reader: one SlotReader. Memory order: both exchange with acquire and release.
-/// Mask of the index in `middle`.
 struct SharedSlot {
-  static constexpr std::uint8_t kIndex = 3;
+  static constexpr std::uint8_t kIndex = 3;  ///< mask of the index in `middle`
   static constexpr std::uint8_t kFresh = 4;  ///< bit in `middle`: the reader does not have this message yet
   std::array<SharedMessage, 3> messages;
   alignas(64) std::atomic<std::uint8_t> middle;  ///< initially 1
@@ -84,9 +83,8 @@ class SlotReader {
 
 /// A ring that passes all frames in order from one writer to one reader. A full ring refuses further frames.
 /// Memory order: the writer releases `written`, the reader releases `read`.
-// 1 s at 1000 frames/s
 struct SharedRing {
-  static constexpr std::size_t kMessages = 1024;
+  static constexpr std::size_t kMessages = 1024;  // 1 s at 1000 frames/s
   std::array<SharedMessage, kMessages> messages;
   alignas(64) std::atomic<std::uint64_t> written;
   alignas(64) std::atomic<std::uint64_t> read;
@@ -115,10 +113,9 @@ struct SharedRing {
 enum class SharedState : std::uint32_t { kStarting, kRunning, kEnding, kEnded, kFailed };
 
 /// The whole segment.
-/// "OSTSHARE", written last.
 struct SharedEngine {
-  std::array<char, 8> magic;
-  std::uint32_t version;  ///< kEngineVersion
+  std::array<char, 8> magic;  ///< "OSTSHARE", written last
+  std::uint32_t version;      ///< kEngineVersion
   std::uint64_t session;
   alignas(64) std::atomic<SharedState> run, engine;
   SharedSlot commands, models;  ///< newest command, and newest frame

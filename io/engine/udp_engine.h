@@ -90,7 +90,7 @@ class UdpEngineClient final : public EngineClient {
   UdpEngineParams params_;
   std::vector<std::uint8_t> setup_;
   std::uint64_t session_{0};  // 0: no welcome yet
-  // numbers of commands, greetings and requests for pieces sent
+  // numbers of commands, greetings and pieces sent
   std::uint64_t sent_{0}, greeted_{0}, asked_{0};
   std::uint64_t next_frame_{1};  // number of the frame expected next
   rt::Nanoseconds last_stamp_{0}, hello_at_{0};

@@ -189,9 +189,8 @@ void UdpEngineServer::SetFailed(const std::string& why) {
   if (peer_) SendWelcome(*peer_, progress_, session_);
 }
 
-// a command was received; continue reading, because a newer one may wait
 EngineEvent UdpEngineServer::Await(EngineCommand& command, rt::Nanoseconds deadline) {
-  bool newer = false;
+  bool newer = false;  // a command was received; continue reading, because a newer one may wait
   for (;;) {
     EngineHeader header;
     std::span<const std::uint8_t> content;

@@ -16,9 +16,8 @@ constexpr double kHeadWidth = 2.0, kHeadLength = 3.0;
 
 // The functions Fill copy a value into a message of Foxglove's schemas.
 
-// MCAP has no negative times
 void Fill(rt::Nanoseconds stamp, google::protobuf::Timestamp* to) {
-  const std::int64_t time = std::max<std::int64_t>(0, stamp);
+  const std::int64_t time = std::max<std::int64_t>(0, stamp);  // MCAP has no negative times
   to->set_seconds(time / kSecond_ns);
   to->set_nanos(static_cast<std::int32_t>(time % kSecond_ns));
 }
@@ -57,9 +56,8 @@ Pose ZAlong(const Vector3& place, const Vector3& along) {
 }
 
 // As ZAlong, but for the x axis.
-// its columns are the images of the axes x, y and z: x becomes z
 Pose XAlong(const Vector3& place, const Vector3& along) {
-  Matrix3 z_from_x;
+  Matrix3 z_from_x;  // its columns are the images of the axes x, y and z: x becomes z
   z_from_x << 0, 0, -1, 0, 1, 0, 1, 0, 0;
   Pose X = ZAlong(place, along);
   if (along.norm() > 0.0) X.linear() = X.linear() * z_from_x;

@@ -34,9 +34,8 @@ struct SceneArrow {
   double diameter_m{0.0};
   SceneColor color;
 };
-/// Pose of the box's centre in the entity's frame.
 struct SceneBox {
-  Pose X_FB{Pose::Identity()};
+  Pose X_FB{Pose::Identity()};  ///< pose of the box's centre in the entity's frame
   Vector3 edges_m{Vector3::Zero()};
   SceneColor color;
 };
