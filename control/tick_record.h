@@ -14,14 +14,15 @@ enum class Phase : std::uint8_t {
   kWaiting,   ///< the arm is not yet handed over, or the cell is paused
   kHaptic,    ///< rendering
   kStopping,  ///< ordered stop under way
-  kStopped,   ///< at rest, holding
+  kStopped,   ///< at rest, holding its position
   kAligning,  ///< moving to the start of the run, while the enabling switch is held
 };
 
-/// Inputs of a tick that its record does not hold elsewhere (q_meas, session_state, model_frame). Together
-/// with the frames of the simulation they let another loop compute the tick again, bit for bit. Plain data.
+/// Inputs of a tick, except those that are fields of TickRecord (q_meas, session_state, model_frame). With
+/// all inputs and the frames of the simulation, `osteon replay` computes the tick again, bit for bit. Plain
+/// data.
 struct TickInput {
-  rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording is older than this field
+  rt::Nanoseconds now{0};        ///< time given to the tick; 0: the recording predates this field
   rt::Nanoseconds arm_stamp{0};  ///< ArmState::stamp
   // copied from ArmState
   std::uint32_t sequence{0}, activation{0};
@@ -32,15 +33,15 @@ struct TickInput {
   std::uint8_t received{0};          ///< ReceiveResult
   bool stop{false};                  ///< an orderly stop was requested
   bool recover{false};               ///< a recovery was requested since the previous tick
-  bool pause{false}, resume{false};  ///< likewise for a pause and its end
-  bool repeat_differed{false};       ///< the repetition of the previous tick gave a different result
-  bool recorder_stalled{false};      ///< the recorder stalled, or refused the previous tick
-  std::uint8_t model_status{0};      ///< simulation::EngineStatus
-  double period_s{0.0};              ///< ArmState::period_s
-  std::array<double, 7> q_ipo{};     ///< [rad]
-  std::array<double, 7> tau_ext{};   ///< [N·m]
-  rt::Nanoseconds sensor_stamp{0};   ///< ForceReading::stamp
-  PlainWrench F_sensor_S;            ///< the raw reading; F_operator_T_W is computed from it
+  bool pause{false}, resume{false};  ///< a pause, or its end, was requested since the previous tick
+  bool repeat_differed{false};    ///< repeating the computation of the previous tick gave a different result
+  bool recorder_stalled{false};   ///< the recorder stalled, or did not accept the previous tick
+  std::uint8_t model_status{0};   ///< simulation::EngineStatus
+  double period_s{0.0};           ///< ArmState::period_s
+  std::array<double, 7> q_ipo{};  ///< [rad]
+  std::array<double, 7> tau_ext{};  ///< [N·m]
+  rt::Nanoseconds sensor_stamp{0};  ///< ForceReading::stamp
+  PlainWrench F_sensor_S;           ///< the raw reading; F_operator_T_W is computed from it
   bool sensor_trusted{true};
   // copied from SpindleReading and InterlockReading
   rt::Nanoseconds spindle_stamp{0};
@@ -59,36 +60,38 @@ struct TickInput {
   Gains gains{};
 };
 
-/// Guidance along a surgical plan in a tick, while rendering (control/guidance). Plain data.
+/// Result of a tick's guidance along a surgical plan (control/guidance). Plain data.
 struct GuidanceRecord {
-  bool present{false};      ///< the cell has guidance and rendered in this tick; else all is zero
-  PlainWrench F_T_W;        ///< its rendered wrench, on T at To, in W; part of F_coupling_T_W
-  double share{0.0};        ///< sigma: the share of the guidance that was rendered, 0 … 1
-  double potential_J{0.0};  ///< U of the whole guidance at this pose; 0 inside the corridor
-  double energy_J{0.0};     ///< E: given to the tool; below zero: taken from it
+  bool present{false};  ///< the cell has guidance and rendered in this tick; otherwise all fields are zero
+  PlainWrench F_T_W;    ///< rendered wrench of the guidance, on T at To, in W; part of F_coupling_T_W
+  double share{0.0};    ///< sigma: the share of the guidance that was rendered, 0 … 1
+  /// U: potential energy of the unscaled guidance at this pose; 0 inside the corridor.
+  double potential_J{0.0};
+  double energy_J{0.0};  ///< E: energy that the guidance has given to the tool; negative: taken from the tool
   double cone_rad{0.0}, lateral_m{0.0},
-      depth_m{0.0};           ///< excess over each part of the corridor; <= 0: inside
-  bool stops_spindle{false};  ///< the spindle must stand
+      depth_m{0.0};  ///< distance beyond each bound of the corridor (cone, lateral, depth); <= 0: inside
+  bool stops_spindle{false};  ///< the guidance requires the spindle to stop
 };
 
-/// The deflections of a tick (control/compliance). Plain data; zero where the cell is rigid.
+/// Deflections of the compliant parts in a tick (control/compliance). Plain data; zero if the cell is rigid.
 struct ComplianceRecord {
   bool present{false};
-  PlainPose X_ME;  ///< the bent head in the bone's world after this tick: what the cutting engine is given
-  PlainPose X_WM;  ///< the bone's world
-  PlainVector3 bend_m, bend_rad;                ///< of the tool: E in T
-  PlainVector3 layer_m;                         ///< of the surface layer, in M
-  PlainVector3 mount_m, mount_rad;              ///< of the bone's mount at Mo, pads included, in W
-  PlainVector3 mount_m_per_s, mount_rad_per_s;  ///< velocity of its mass, in W
+  PlainPose X_ME;  ///< pose of the bent tool's head E in M, the frame in which the bone rests, after this
+                   ///< tick; input of the cutting engine
+  PlainPose X_WM;  ///< pose of M in the world
+  PlainVector3 bend_m, bend_rad;                ///< deflection of the tool: E in T
+  PlainVector3 layer_m;                         ///< deflection of the surface layer, in M
+  PlainVector3 mount_m, mount_rad;              ///< deflection of the bone's mount at Mo, pads included, in W
+  PlainVector3 mount_m_per_s, mount_rad_per_s;  ///< velocity of the mount's mass, in W
 };
 
-/// Value of TickRecord::cell_state in recordings older than the field.
+/// Value of TickRecord::cell_state in recordings that predate this field.
 inline constexpr std::uint8_t kNoCellState = 255;
 
 /// One tick of the servo loop as it is recorded. Plain data.
 struct TickRecord {
   std::uint64_t tick{0};
-  /// Time of the arm message that this tick answers; without a message, of the tick.
+  /// Time of the arm message that this tick answers; without a message, the time of the tick.
   rt::Nanoseconds stamp{0};
   Phase phase{Phase::kWaiting};
   std::uint8_t session_state{0};   ///< FRI session state, 0 … 4
@@ -103,7 +106,8 @@ struct TickRecord {
   /// The rendered coupling wrench, after all limits. In the tick of a fault: the limited wrench that would
   /// have been rendered.
   PlainWrench F_coupling_T_W;
-  double wrench_step_N{0.0};        ///< growth or turn of the coupling's force (safety::WrenchRateTrip)
+  /// Growth or change of direction of the coupling's force in this tick (safety::WrenchRateTrip).
+  double wrench_step_N{0.0};
   double wrench_step_limit_N{0.0};  ///< limit of wrench_step_N
   double wrench_scale{1.0};         ///< share of the coupling wrench that the limits passed, 0 … 1
   double arm_share{1.0};  ///< share of the coupling wrench that the arm can hold in this posture, 0 … 1
@@ -111,12 +115,13 @@ struct TickRecord {
   double vibration_index{0.0};  ///< 0 … 1
   /// RMS force up to which vibration counts as the hand's own.
   double vibration_reference_N{0.0};
-  double mass_factor{1.0};         ///< factor of the vibration index on the virtual tool's inertia,
-  double damping_factor{1.0};      ///< and on its drag
-  double age_damping_factor{1.0};  ///< factor of the age governor on the law's damping,
-  double age_wrench_share{1.0};    ///< and on the coupling
-  double passivity_energy_J{0.0};  ///< energy that the planes have given to the tool; E > 0 was generated
-  double passivity_damping_Ns_per_m{0.0};  ///< damping that takes E back; 0: inactive
+  double mass_factor{1.0};         ///< factor of the vibration index on the virtual tool's mass and inertia
+  double damping_factor{1.0};      ///< factor of the vibration index on the virtual tool's drag
+  double age_damping_factor{1.0};  ///< factor of the age governor on the law's damping
+  double age_wrench_share{1.0};    ///< factor of the age governor on the coupling
+  /// E: net energy that the planes have given to the tool; > 0: the planes have generated energy.
+  double passivity_energy_J{0.0};
+  double passivity_damping_Ns_per_m{0.0};  ///< damping that dissipates E; 0: inactive
   double tank_J{0.0};                      ///< energy in the tank, while rendering
   double tank_share{1.0};                  ///< share of the coupling that the tank could pay for
   GuidanceRecord guidance;

@@ -16,7 +16,7 @@ CellHost::CellHost(const CellHostParams& params, SimulatedCell cell)
   }
   if (params.plc) {
     plc_ = std::make_unique<PlcServer>(*params.plc);
-    cell.SetPower(false);  // until the PLC switches it on
+    cell.SetPower(false);  // the power is off until the PLC switches it on
   }
   arm_ = std::make_unique<SimulatedCellThread>(params.arm, std::move(cell));
   if (plc_) arm_->SetPower(false);
@@ -73,7 +73,7 @@ void CellHost::RunDevices() {
       plc_->SetPanel(person.Step(now, outputs, plc_->counters().connections));
       arm_->SetPower(outputs.power_on);
     }
-    due = std::max(due + params_.device_period, now);  // missed periods are not made up for
+    due = std::max(due + params_.device_period, now);  // skip missed periods
     rt::SleepUntil(due);
   }
 }

@@ -19,8 +19,9 @@
 namespace osteon::hil {
 
 struct CellHostParams {
-  CellThreadParams arm;    ///< its injections are those of all wires
-  io::DeviceParams wires;  ///< the controller's parameters: we open the other ends of its tunnels
+  CellThreadParams arm;    ///< its injections apply to all wires, not only to the arm's
+  io::DeviceParams wires;  ///< the controller's parameters; the host opens the devices' ends of the buses and
+                           ///< tunnels that they name
   SimulatedDeviceParams devices;
   std::optional<PlcServerParams> plc;
   rt::Nanoseconds device_period{rt::kMillisecond / 2};  ///< interval at which buses and panel are served
@@ -33,11 +34,11 @@ struct CellHostState {
   DeviceWireCounters devices;
   PlcLogicOutputs plc;
   PlcServerCounters plc_counters;
-  double tool_speed_rad_per_s{0.0};  ///< of the reamer drive
+  double tool_speed_rad_per_s{0.0};  ///< speed of the tool on the reamer drive
 };
 
-/// The whole simulated cell in wall time, on its real protocols: arm, operator, force sensor, reamer drive,
-/// PLC with its panel. A thread for the arm, one for the devices, one for the PLC's server.
+/// The whole simulated cell in wall time, with the protocols of the real devices: arm, operator, force
+/// sensor, reamer drive, PLC with its panel. It has three threads: arm, devices, PLC server.
 class CellHost {
  public:
   /// Starts at once. @throws std::system_error, std::runtime_error or std::invalid_argument naming what could
@@ -47,10 +48,10 @@ class CellHost {
   CellHost(const CellHost&) = delete;
   CellHost& operator=(const CellHost&) = delete;
 
-  /// Call from one reader thread. Complete after Stop().
+  /// Returns the present state. Call from one reader thread only. After Stop() the state is final.
   [[nodiscard]] CellHostState State();
 
-  /// Ends all threads; sockets close. Safe to call twice.
+  /// Ends all threads and closes all sockets. May be called twice.
   void Stop();
 
  private:

@@ -4,7 +4,7 @@
 
 namespace osteon::hil {
 
-/// Counts the faults injected into a simulated arm's wire. Plain data.
+/// Counters of the faults injected into a simulated arm's wire. Plain data.
 struct CellWireCounters {
   WireCounters arm_to_controller, arm_from_controller;
 };
@@ -16,12 +16,13 @@ class CellWires {
   /// @throws std::invalid_argument from Validate(params).
   explicit CellWires(const InjectionParams& params);
 
-  /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
+  /// Starts the injections' schedule at `now`, the time of the first COMMANDING_ACTIVE; later calls change
+  /// nothing.
   void StartSchedule(rt::Nanoseconds now) OSTEON_RT;
 
   ImpairedWire to_controller;    ///< carries the arm's messages
-  ImpairedWire from_controller;  ///< carries the answers; has room for a datagram that is too long, so that
-                                 ///< the receiver can detect it
+  ImpairedWire from_controller;  ///< carries the answers; has room for a datagram that exceeds the protocol's
+                                 ///< length, so that the receiver can detect it
 
   [[nodiscard]] CellWireCounters counters() const OSTEON_RT {
     return {to_controller.counters(), from_controller.counters()};

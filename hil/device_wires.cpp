@@ -5,7 +5,7 @@
 namespace osteon::hil {
 namespace {
 
-// The identifiers of a device's frames, in both directions.
+// Returns filters for the identifiers of a device's frames, in both directions.
 std::vector<io::CanFilter> FramesOf(const std::vector<io::IdClaim>& claims) {
   std::vector<io::CanFilter> frames;
   for (const io::IdClaim& claim : claims)
@@ -24,7 +24,8 @@ DeviceWires::DeviceWires(const std::vector<io::CanBus*>& buses, SimulatedDevices
   sensor_ = std::make_unique<ImpairedCanBus>(*buses.at(wires.sensor_bus), injections, Wire::kForceSensor,
                                              sensor_frames, virtual_now);
   const bool has_drive = wires.drive && devices.drive();
-  // on a shared bus, the drive's impaired bus contains the sensor's, and one pump serves both devices
+  // If both devices share one bus, the drive's impaired bus wraps the sensor's impaired bus, and one pump
+  // serves both devices.
   const bool shared = has_drive && wires.drive_bus == wires.sensor_bus;
   if (has_drive)
     drive_ = std::make_unique<ImpairedCanBus>(

@@ -10,27 +10,28 @@
 
 namespace osteon::hil {
 
-/// Counts the faults injected into the wires of a simulated cell's CAN devices. Plain data.
+/// Counters of the faults injected into the wires of a simulated cell's CAN devices. Plain data.
 struct DeviceWireCounters {
   WireCounters sensor_to_controller, sensor_from_controller;
   WireCounters drive_to_controller, drive_from_controller;
 };
 
-/// The simulated devices on their ends of the CAN buses, with the faults that a scenario injects into each
+/// Connects the simulated devices to their ends of the CAN buses and injects a scenario's faults into each
 /// device's frames. Works with wall time and virtual time. One thread at a time.
 class DeviceWires {
  public:
   /// @param buses  the devices' ends, in the order of wires.buses; they and the devices must outlive this
   ///   object
-  /// @param wires  the controller's view: which device is on which bus, with which identifiers
+  /// @param wires  the controller's parameters, which say which device is on which bus with which identifiers
   /// @param virtual_now  see ImpairedCanBus
   /// @throws std::invalid_argument from Validate(injections).
   DeviceWires(const std::vector<io::CanBus*>& buses, SimulatedDevices& devices, const io::DeviceParams& wires,
               const InjectionParams& injections, const rt::Nanoseconds* virtual_now = nullptr);
 
-  /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
+  /// Starts the injections' schedule at `now`, the time of the first COMMANDING_ACTIVE; later calls change
+  /// nothing.
   void StartSchedule(rt::Nanoseconds now);
-  /// Every device takes the frames received and sends those due.
+  /// Delivers received frames to the devices and sends the frames that are due.
   void Pump(rt::Nanoseconds now);
 
   [[nodiscard]] DeviceWireCounters counters() const;

@@ -23,7 +23,7 @@ FriArm::FriArm(const FriServerParams& fri, const SimulatedArmParams& body, const
 
 void FriArm::Move(bool client_had_its_time, const Wrench& F_T_B) {
   server_.EndCycle(client_had_its_time);
-  // if no client was there yet, the operator at the pad starts the program again
+  // If no client has answered yet, the operator at the pad would start the program again.
   if (server_.stop().reason == StopReason::kQualityTimeout && server_.counters().answered == 0) {
     server_.Open();
     if (!power_) server_.PowerOff();
@@ -56,7 +56,7 @@ void FriArm::SetPower(bool on) {
 }
 
 bool FriArm::EndSession() {
-  constexpr double kUntilIdle_s = 0.05;  // in MONITORING_READY before IDLE; a public log shows 0.083 s
+  constexpr double kUntilIdle_s = 0.05;  // time in MONITORING_READY before IDLE; a public log shows 0.083 s
   if (server_.session_end() == SessionEnd::kSilence || server_.state() == control::SessionState::kIdle)
     return false;
   server_.CloseAfter(kUntilIdle_s);

@@ -8,11 +8,12 @@
 
 namespace osteon::hil {
 
-/// An LBR with its controller, over FRI: the session (FriServer) and the arm that follows it (SimulatedArm).
-/// Its motion centre is T.
+/// An LBR with its controller, connected by FRI. It consists of the session (FriServer) and of the arm that
+/// follows the session's commands (SimulatedArm). Its motion centre is T.
 class FriArm final : public ArmController {
  public:
-  /// Opens the session. @throws std::invalid_argument from the parts, on a parameter out of range.
+  /// Opens the session. @throws std::invalid_argument from FriServer or SimulatedArm, on a parameter out of
+  /// range.
   FriArm(const FriServerParams& fri, const SimulatedArmParams& body, const Pose& X_FT);
 
   bool Receive(std::span<const std::uint8_t> datagram) override { return server_.Receive(datagram); }

@@ -5,9 +5,9 @@
 
 namespace osteon::hil {
 
-/// A simulated cell in virtual time behind impaired wires: messages get lost, delayed or changed on their
-/// way. It is used in lockstep like the cell itself, except that none, one or several messages reach the
-/// client in a period, each at its own time.
+/// A simulated cell in virtual time behind impaired wires: messages are lost, delayed or changed on the
+/// wires. It is used in lockstep, like SimulatedCell. The difference: in a period, zero, one or several
+/// messages reach the client, each at its own time.
 ///
 ///     ImpairedCell cell(SimulatedCell(params, script), injections);
 ///     for (rt::Nanoseconds now = 0; …; now += period) {
@@ -15,11 +15,11 @@ namespace osteon::hil {
 ///       cell.Step(now, [&](std::span<const std::uint8_t> message, rt::Nanoseconds arrival) {
 ///         accepted |= session.Accept(message, arrival, state) == io::FriAccept::kAccepted;
 ///       });
-///       loop.Tick(…);                            // a timeout where nothing was accepted
+///       loop.Tick(…);                            // a timeout if nothing was accepted
 ///       if (accepted) cell.Receive(session.Answer(command));
 ///     }
 ///
-/// Without injections every byte and every time is the same as the cell's.
+/// Without injections every byte and every time is the same as without the wires.
 class ImpairedCell {
  public:
   /// @throws std::invalid_argument from Validate(injections).
@@ -30,7 +30,8 @@ class ImpairedCell {
   template <class Deliver>
   void Step(rt::Nanoseconds now, Deliver&& deliver) {
     StepCell(now);
-    client_time_ = now + period_ - 1;  // if no message comes, the client waits until the period's end
+    // time of the client's tick if no message arrives: the end of the period
+    client_time_ = now + period_ - 1;
     const rt::Nanoseconds end = client_time_;
     for (rt::Nanoseconds due = wires_.to_controller.NextDue(); due <= end;
          due = wires_.to_controller.NextDue()) {
@@ -39,7 +40,7 @@ class ImpairedCell {
     }
   }
 
-  /// Takes the client's answer to the newest message. An empty answer is ignored.
+  /// Sends the client's answer to the newest message to the cell. An empty answer is ignored.
   void Receive(std::span<const std::uint8_t> answer) {
     if (!answer.empty()) wires_.from_controller.Push(answer, client_time_);
   }

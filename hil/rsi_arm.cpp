@@ -10,7 +10,7 @@
 namespace osteon::hil {
 namespace {
 
-// The controller's parameters with this start pose [rad].
+// Returns the controller's parameters with start_deg set to q_start [rad].
 RsiControllerParams WithStart(RsiControllerParams params, const control::JointArray& q_start) {
   for (std::size_t i = 0; i < 6; ++i) params.start_deg[i] = q_start[i] / kDegree;
   return params;
@@ -49,17 +49,17 @@ void RsiArm::Move(bool client_had_its_time, const Wrench&) {
 
 std::span<const std::uint8_t> RsiArm::Message(const Wrench&, rt::Nanoseconds) { return message_; }
 
-// Whether an operator at the pad would start the program again.
+// Whether the operator at the pad starts the program again.
 bool RsiArm::StartsAgain() const {
   const RsiControllerState& state = controller_.state();
   if (!power_ || state.stop.reason != RsiStopReason::kTimeout) return false;
   return state.counters.answered == 0 || params_.start_again_after_loss;
 }
 
-// Starts RSI again, and keeps the counts and the stop of the session that has ended.
+// Starts RSI again, and keeps the counters and the stop report of the session that has ended.
 void RsiArm::Restart() {
   before_ = AddCounters(before_, controller_.state().counters);
-  // A session without any answer had no client, so its end does not replace the last stop.
+  // A session without any answer had no client, so its end does not replace the last stop report.
   if (controller_.state().counters.answered > 0) last_stop_ = controller_.state().stop;
   controller_.Restart();
   idle_cycles_ = 0;
@@ -70,7 +70,7 @@ void RsiArm::SetPower(bool on) {
   power_ = on;
   if (!on) return controller_.PowerOff();
   Restart();
-  last_stop_ = {};  // the return of power acknowledges the stop
+  last_stop_ = {};  // restoring the power acknowledges the stop
 }
 
 ArmMotion RsiArm::motion() const {

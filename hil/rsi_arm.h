@@ -5,31 +5,32 @@
 
 namespace osteon::hil {
 
-/// A KR with its controller, and the operator at its pad.
+/// Parameters of a KR with its controller, and of the operator at its pad.
 struct RsiArmParams {
   RsiControllerParams controller{};  ///< the cell sets its start_deg
-  /// Answers of a session until the arm counts as handed over: those that the PC gives without a correction
-  /// (io::RsiSessionParams::settle_messages); >= 1.
+  /// Number of answers in a session after which the arm counts as handed over; >= 1. It should equal the
+  /// number of answers that the PC sends without a correction (io::RsiSessionParams::settle_messages).
   int handed_over_answers{10};
-  double start_again_s{1.0};  ///< from the end of RSI to the program's next RSI_ON, if there is one; >= 0
-  /// Restarts the program after a Timeout that ended a session with answers. Otherwise a restart takes
-  /// another run of the cell.
+  /// Time from the end of RSI to the program's next RSI_ON, if the program is started again; >= 0.
+  double start_again_s{1.0};
+  /// True: the program also restarts after a Timeout that ended a session with answers. False: after such a
+  /// Timeout, the cell must be started again.
   bool start_again_after_loss{false};
 };
 
-/// A KR over RSI: RsiController, and the program that turns RSI on.
+/// A KR connected by RSI: RsiController, and the robot program that turns RSI on.
 ///
 ///     power on ──▶ RSI runs ──Timeout, nobody ever answered──▶ start_again_s ──▶ RSI runs
 ///                     │ power off, <Stop>, a monitor, Timeout after answers
 ///                     ▼
-///                  RSI has ended: until the power is back after it was off, or by start_again_after_loss
+///                  RSI has ended, until the power is switched off and on, or until the restart by start_again_after_loss
 ///
-/// Equivalents of FRI's states: IDLE after RSI has ended, MONITORING_WAIT until the first answer,
-/// COMMANDING_WAIT for handed_over_answers, then COMMANDING_ACTIVE. Counters continue over sessions. The arm
-/// is stiff: a wrench on the tool does not deflect it and is not in its messages.
+/// The arm reports equivalents of FRI's states: IDLE after RSI has ended, MONITORING_WAIT until the first
+/// answer, COMMANDING_WAIT for handed_over_answers, then COMMANDING_ACTIVE. Counters continue over sessions.
+/// The arm is stiff: a wrench on the tool does not deflect it, and its messages do not contain the wrench.
 class RsiArm final : public ArmController {
  public:
-  /// @param q_start  [rad], six of them
+  /// @param q_start  start position of the joints [rad]; the first six are used
   /// @throws std::invalid_argument on a parameter out of range, naming it.
   RsiArm(const RsiArmParams& params, const control::JointArray& q_start, const Pose& X_FT);
 
@@ -51,10 +52,10 @@ class RsiArm final : public ArmController {
   Pose X_FT_;
   RsiController controller_;
   kinematics::OrthoParallelArm arm_;
-  RsiCounters before_;  // counts of the sessions before the present one
+  RsiCounters before_;  // counters of all earlier sessions
   RsiStopReport last_stop_;
   bool power_{true};
-  int idle_cycles_{0};  // since RSI ended
+  int idle_cycles_{0};  // number of cycles since RSI ended
   std::span<const std::uint8_t> message_;
 };
 

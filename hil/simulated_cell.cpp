@@ -11,13 +11,13 @@ using kinematics::JointVector;
 
 JointVector ToVector(const control::JointArray& q) { return Eigen::Map<const JointVector>(q.data()); }
 
-// A KR over RSI if there is one in the parameters, else an LBR over FRI.
+// Makes a KR connected by RSI if the parameters contain one, otherwise an LBR connected by FRI.
 std::unique_ptr<ArmController> MakeArm(const SimulatedCellParams& params) {
   if (params.kr) return std::make_unique<RsiArm>(*params.kr, params.q_start, Pose(params.X_FT));
   return std::make_unique<FriArm>(params.fri, BodyOf(params), Pose(params.X_FT));
 }
 
-// Whether both the distance and the angle between the poses are below these bounds.
+// Whether the distance and the angle between two poses are both below these bounds.
 bool IsNear(const Pose& X_WT, const Pose& X_WT_start, double distance_m, double angle_rad) {
   return (X_WT.translation() - X_WT_start.translation()).norm() < distance_m &&
          RotationAngle(X_WT.linear().transpose() * X_WT_start.linear()) < angle_rad;
@@ -50,7 +50,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   static_cast<ArmStatus&>(state_) = arm_->status();
   const bool active = state_.session == control::SessionState::kCommandingActive;
 
-  // the tool's true pose
+  // the tool's true pose, which includes the base's displacement
   const ArmMotion arm = arm_->motion();
   const Pose X_WT = X_WB_ * arm.X_BBnow * arm.X_BT;
   const Twist V_WT{.v = X_WB_.linear() * arm.V_BT.v, .w = X_WB_.linear() * arm.V_BT.w};
@@ -75,7 +75,8 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
 
   ++state_.cycle;
   state_.stamp = now;
-  static_cast<ArmStatus&>(state_) = arm_->status();  // again, with the message that was just made
+  // update again, because the message that was just made is counted too
+  static_cast<ArmStatus&>(state_) = arm_->status();
   state_.active_once |= active;
   state_.script_done = state_.active_once && state_.cell_time_s >= hand_.script().duration_s();
   state_.q_meas = arm.q_meas;
@@ -86,7 +87,7 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   state_.F_hand_T_W = F_T_W;
   state_.F_S = SensorLoad(sensor_, X_WT, X_WT * X_TF_, F_T_W);
   if (feels_inertia_) {
-    // acceleration over the past period; unknown in the first
+    // mean acceleration over the past period; 0 in the first period, where it is unknown
     const Twist& V_before = has_twist_ ? V_WT_before_ : V_WT;
     const Twist A_WT{.v = (V_WT.v - V_before.v) / period_s(), .w = (V_WT.w - V_before.w) / period_s()};
     state_.F_S = SubtractInertia(sensor_, state_.F_S,
@@ -97,10 +98,12 @@ std::span<const std::uint8_t> SimulatedCell::Step(rt::Nanoseconds now, bool clie
   return datagram;
 }
 
-// During the start path the hand leaves the arm alone until it has arrived. A soft arm may sag beside the
-// start: the operator then takes the tool once it has stood still for a while.
+// The hand does not touch the tool before the arm has arrived at the end of its start path. A compliant arm
+// may sag and miss the start. The operator then takes the tool once it has been at rest for some time near
+// the start.
 bool SimulatedCell::UpdateArrival(const Pose& X_WT, const Twist& V_WT) {
-  // the tool has arrived when it is this near, or has been slow for this long within the wider reach
+  // The tool has arrived if it is within these bounds, or if it has been slow for some time within the wider
+  // bounds below.
   constexpr double kArrived_m = 0.003, kArrived_rad = 0.03;
   constexpr double kWithinReach_m = 0.03, kWithinReach_rad = 0.3;
   constexpr double kMaxIdle_m_per_s = 0.02, kMaxIdle_rad_per_s = 0.2, kMinIdle_s = 0.3;

@@ -27,14 +27,15 @@ void SimulatedCellThread::Run() {
 
   const auto period = static_cast<rt::Nanoseconds>(cell_.period_s() * 1e9 + 0.5);
   const rt::Nanoseconds tolerance = period / 2;
-  rt::Nanoseconds due = rt::MonotonicNow() + period;  // when the next message is to be sent
-  rt::Nanoseconds sent = due - period;                // when the last message was sent
+  rt::Nanoseconds due = rt::MonotonicNow() + period;  // time at which the next message must be sent
+  rt::Nanoseconds sent = due - period;                // time at which the last message was sent
   for (bool is_ending = false;;) {
     if (!is_ending && stop_.load(std::memory_order_relaxed)) {
       if (!cell_.EndSession()) break;
       is_ending = true;
     }
-    // wait until the next message is due and the client has had a whole period, unless its answer is here
+    // Wait until the next message is due. If the client's answer is still missing, also wait until the client
+    // has had a whole period.
     rt::Nanoseconds target = due;
     WaitUntil(target, statistics);
     rt::Nanoseconds lateness = rt::MonotonicNow() - target;
@@ -51,7 +52,8 @@ void SimulatedCellThread::Run() {
     const rt::Nanoseconds now = rt::MonotonicNow();
     cell_.SetPower(power_.load(std::memory_order_relaxed));
     const auto datagram = cell_.Step(now, on_time);
-    loads_.Store(cell_.force());  // before the message, so that the load is ready when the client answers
+    // stored before the message is sent, so that the load is available when the client answers
+    loads_.Store(cell_.force());
     answered_ = false;
     if (cell_.state().active_once) {
       wires_.StartSchedule(now);
@@ -70,7 +72,7 @@ void SimulatedCellThread::Run() {
   }
 }
 
-// Sleeps; with injections, moves due datagrams meanwhile.
+// Sleeps until `target`. With injections, also moves datagrams that become due in this time.
 void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics& statistics) {
   if (!wires_.injects()) {
     rt::SleepUntil(target);
@@ -84,7 +86,7 @@ void SimulatedCellThread::WaitUntil(rt::Nanoseconds target, CellThreadStatistics
   }
 }
 
-// True if the answer to the message last sent has come.
+// Passes all received datagrams on. Returns true if the answer to the message last sent has arrived.
 bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
   std::array<std::uint8_t, kFriMaxDatagram + 1> bytes;  // one more byte, to detect an oversized datagram
   const rt::Nanoseconds now = rt::MonotonicNow();
@@ -94,7 +96,7 @@ bool SimulatedCellThread::ReceiveAll(CellThreadStatistics& statistics) {
   return answered_;
 }
 
-// Moves due datagrams out of their wires: messages to the client, answers to the arm.
+// Takes due datagrams out of the impaired wires: sends messages to the client, and passes answers to the arm.
 void SimulatedCellThread::MoveDue(rt::Nanoseconds now, CellThreadStatistics& statistics) {
   while (wires_.to_controller.NextDue() <= now)
     if (!client_.Send(wires_.to_controller.Next(now))) ++statistics.undelivered;

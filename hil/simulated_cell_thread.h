@@ -16,38 +16,39 @@
 namespace osteon::hil {
 
 struct CellThreadParams {
-  std::string client_address{
-      "127.0.0.1"};                  ///< dotted IPv4; the loopback unless the client is on another machine
-  std::uint16_t client_port{30200};  ///< where the client listens
+  /// Client's IPv4 address in dotted notation.
+  std::string client_address{"127.0.0.1"};
+  std::uint16_t client_port{30200};  ///< port on which the client listens
   rt::RealtimeThreadParams thread{.priority = 80};
   InjectionParams injections{};              ///< only those of the arm's wire are used
-  rt::SpscRing<CellState>* cycles{nullptr};  ///< each cycle is pushed there; null: nowhere
+  rt::SpscRing<CellState>* cycles{nullptr};  ///< ring to which the state of each cycle is pushed; null: none
 };
 
 /// Statistics of the thread. Plain data.
 struct CellThreadStatistics {
   CellState cell;
-  std::uint64_t overruns{0};  ///< cycles in which this thread itself woke more than half a period late
+  std::uint64_t overruns{0};  ///< cycles in which this thread woke more than half a period late
   rt::Nanoseconds worst_wakeup_ns{0};
-  std::uint64_t undelivered{0};  ///< messages that the system could not deliver, e.g. because nobody listens
-                                 ///< yet
-  rt::RealtimeGrant thread;      ///< what the system granted it
-  CellWireCounters wires;        ///< injected faults
+  /// Messages that the system could not deliver, e.g. because the client does not listen yet.
+  std::uint64_t undelivered{0};
+  rt::RealtimeGrant thread;  ///< real-time properties that the system granted to the thread
+  CellWireCounters wires;    ///< injected faults
 };
 
-/// The simulated cell in wall time: its own thread, FRI or RSI over a UDP socket, an absolute
-/// schedule of the arm's period.
+/// The simulated cell in wall time. It has its own thread, communicates by FRI or RSI over a UDP socket, and
+/// runs on an absolute schedule with the arm's period.
 ///
-/// The arm is the clock: it sends, sleeps until its next period and then reads the client's answers. Only the
-/// client's address is heard (the socket is connected to it; the system drops the rest).
+/// The arm determines the timing: it sends, sleeps until its next period and then reads the client's answers.
+/// The socket is connected to the client's address, so the system drops datagrams of other senders.
 ///
-/// **Who was late.** A cycle counts against the client only if this thread woke on time and the client had a
-/// whole period from the message on. If the message left late within its period, the thread waits that much
-/// longer for a missing answer. If the thread wakes more than half a period late, it counts an overrun of its
-/// own, excuses a missing answer, and restarts its schedule instead of sending the missed cycles in a burst.
+/// **Late answers.** A missing answer counts as the client's loss only if this thread woke on time and the
+/// client had a whole period after the message. If the message left late within its period, the thread waits
+/// that much longer for a missing answer. If the thread wakes more than half a period late, it counts an
+/// overrun of its own, excuses a missing answer, and restarts its schedule instead of sending the missed
+/// cycles in a burst.
 ///
-/// **Injections** act on the datagrams as they leave and arrive here. The thread wakes when one is due, so
-/// delays below a period are accurate. Their effects count against the client.
+/// **Injections** act on the datagrams that this thread sends and receives. The thread wakes when a datagram
+/// is due, so delays below a period are accurate. Losses that the injections cause count as the client's.
 class SimulatedCellThread {
  public:
   /// Starts at once. @throws std::system_error if there is no socket, std::invalid_argument on the address,
@@ -58,22 +59,23 @@ class SimulatedCellThread {
   SimulatedCellThread& operator=(const SimulatedCellThread&) = delete;
 
   /// Ends the thread after its present period, or after the messages with which the arm ends its session
-  /// (SessionEnd); the socket closes. Safe to call twice.
+  /// (SessionEnd). Closes the socket. May be called twice.
   void Stop();
 
-  /// The newest load on the force sensor; one reader thread.
+  /// Returns the newest load on the force sensor. Call from one reader thread only.
   [[nodiscard]] control::ForceReading Load() { return loads_.Load(); }
 
-  /// COMMANDING_ACTIVE was reached. Any thread.
+  /// Whether COMMANDING_ACTIVE was reached. May be called by any thread.
   [[nodiscard]] bool commanded() const { return commanded_.load(std::memory_order_relaxed); }
 
-  /// See SimulatedCell. Any thread; takes effect with the next period.
+  /// See SimulatedCell. May be called by any thread; takes effect in the next period.
   void SetPower(bool on) { power_.store(on, std::memory_order_relaxed); }
 
-  /// The newest state; one reader thread (not necessarily the sensor's). Complete after Stop().
+  /// Returns the newest statistics. Call from one reader thread only (not necessarily that of Load()). Final
+  /// after Stop().
   [[nodiscard]] const CellThreadStatistics& statistics() { return published_.Load(); }
 
-  /// The port that this side sends from.
+  /// Local port from which the thread sends.
   [[nodiscard]] std::uint16_t port() const { return client_.port(); }
 
  private:

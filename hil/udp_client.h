@@ -13,14 +13,14 @@
 
 namespace osteon::hil {
 
-/// A device's end of a UDP link in which the device speaks first. The socket is connected to the peer that
-/// should answer, so the system drops datagrams from anybody else.
+/// A device's end of a UDP link on which the device sends first. The socket is connected to the peer, so the
+/// system drops datagrams of other senders.
 class UdpClient {
  public:
-  static constexpr int kMaxAtOnce = 64;  ///< datagrams read in one call; the rest of a flood waits
+  static constexpr int kMaxAtOnce = 64;  ///< largest number of datagrams read in one call
 
-  /// @param who, what  names of this side and of the peer in errors: "simulated arm", "client"
-  /// @throws std::invalid_argument on the address or port, std::system_error where there is no socket.
+  /// @param who, what  names of this side and of the peer in error texts, e.g. "simulated arm" and "client"
+  /// @throws std::invalid_argument on the address or port, std::system_error if no socket can be opened.
   UdpClient(const std::string& who, const std::string& what, const std::string& address, std::uint16_t port) {
     const auto peer = io::Ipv4(who + ": " + what, address, port);
     if (!peer) throw std::invalid_argument(peer.error());
@@ -46,19 +46,19 @@ class UdpClient {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
   }
-  /// Local port that this side sends from.
+  /// Local port from which this side sends.
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
-  /// False if the system could not deliver it, e.g. because nobody listens yet.
+  /// Sends a datagram. Returns false if the system could not deliver it, e.g. because nobody listens yet.
   bool Send(std::span<const std::uint8_t> datagram) {
     return send(socket_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0;
   }
 
-  /// Sleeps until `time` on CLOCK_MONOTONIC, or until something has come.
+  /// Sleeps until `time` on CLOCK_MONOTONIC, or until a datagram has arrived.
   void WaitUntil(rt::Nanoseconds time) const { static_cast<void>(io::WaitReadable(socket_, time)); }
 
-  /// Calls deliver(datagram) for each waiting datagram. @returns how many of ours were undeliverable, as far
-  /// as reported by now.
+  /// Calls deliver(datagram) for each received datagram. @returns the number of sent datagrams that the
+  /// system has reported as undeliverable since the last call
   template <class Deliver>
   std::uint64_t ReceiveAll(std::span<std::uint8_t> room, Deliver&& deliver) {
     std::uint64_t undelivered = 0;

@@ -10,15 +10,17 @@
 
 namespace osteon::control {
 
-/// The servo loop's data of one tool: an entry of the table that a change of tool selects from. All entries
-/// are prepared before the run.
+/// The servo loop's data of one tool: one entry of the loop's table of tools. A change of tool selects an
+/// entry during the run. All entries are prepared before the run.
 struct LoopTool {
   Pose X_FT{Pose::Identity()};  ///< tool on the flange
-  ForceSensorParams sensor;     ///< with the load on its tool side
-  /// The arm with this tool as payload, as ServoParams::arm_body; absent: the payload stays.
+  ForceSensorParams sensor;     ///< includes this tool's load, which the sensor carries
+  /// Model of the arm with this tool as payload; replaces ServoParams::arm_body. Absent: the loop keeps its
+  /// present model.
   std::optional<kinematics::ChainParams<7>> arm_body{};
-  std::optional<GuidanceParams> guidance{};  ///< along the plan, for this tool; absent: none
-  std::optional<ToolLinkParams> bending{};   ///< used if the cell's tool is compliant; absent: rigid
+  /// Guidance along the surgical plan with this tool; absent: none.
+  std::optional<GuidanceParams> guidance{};
+  std::optional<ToolLinkParams> bending{};  ///< used if the cell's tool is compliant; absent: rigid
 };
 
 /// Largest number of tools in a loop's table.

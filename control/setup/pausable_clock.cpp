@@ -5,7 +5,8 @@
 
 namespace osteon::control {
 
-// Advances rate and rate speed by dt_s with a constant r''. @returns the integral of the rate [s]
+// Advances the rate r and its derivative r' by dt_s, with a constant second derivative r''. @returns the
+// integral of the rate [s]
 double PausableClock::Advance(double dt_s, double acceleration_per_s2) OSTEON_RT {
   const double passed_s = dt_s * (rate_ + dt_s * (rate_speed_ / 2.0 + dt_s * acceleration_per_s2 / 6.0));
   rate_ += dt_s * (rate_speed_ + dt_s * acceleration_per_s2 / 2.0);
@@ -17,7 +18,8 @@ double PausableClock::Step(double dt_s, bool permitted) OSTEON_RT {
   if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return 0.0;
   const double target = permitted ? 1.0 : 0.0, A = rate_change_per_s2_;
 
-  // mirrored so that r' falls first: -A until the speed is w, then +A to rest at the target
+  // Signs are mirrored so that r' falls first: r'' = -A until r' = w, then r'' = +A until r' = 0 at the
+  // target.
   const double curve = rate_ - target + rate_speed_ * std::abs(rate_speed_) / (2.0 * A);
   const double sign = curve > 0.0 || (curve == 0.0 && rate_speed_ < 0.0) ? 1.0 : -1.0;
   const double x = sign * (rate_ - target), speed = sign * rate_speed_;
@@ -31,7 +33,7 @@ double PausableClock::Step(double dt_s, bool permitted) OSTEON_RT {
     rate_speed_ = 0.0;
     passed_s += target * (dt_s - first_s - second_s);
   }
-  rate_ = std::clamp(rate_, 0.0, 1.0);  // against rounding
+  rate_ = std::clamp(rate_, 0.0, 1.0);  // removes rounding errors
   return std::clamp(passed_s, 0.0, dt_s);
 }
 

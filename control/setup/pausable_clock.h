@@ -9,10 +9,10 @@ namespace osteon::control {
 ///
 ///     |r''| <= A = 9 / pause^2        r'' = -A sign(x + r'|r'| / 2A), x = r - target
 ///
-/// so r is in [0, 1], |r'| <= sqrt(A) = 3 / pause, and both are continuous. From full rate it rests after 2/3
-/// pause; the worst case, permission withdrawn while r' is largest, takes pause. Each step is integrated
-/// exactly, including the change of sign within it. Begins at rest.
-/// Source of the switching curve: Athans and Falb, Optimal Control, 1966, 7-2 (the double integrator).
+/// Therefore 0 <= r <= 1 and |r'| <= sqrt(A) = 3 / pause; r and r' are continuous. From r = 1 the clock stops
+/// within 2/3 pause. In the worst case (permission withdrawn while r' is largest) it stops within pause. Each
+/// step is integrated exactly, including a change of the sign of r'' within the step. The clock begins at
+/// rest. Source of the switching curve: Athans and Falb, Optimal Control, 1966, 7-2 (the double integrator).
 class PausableClock {
  public:
   /// @param pause_s  longest time from the end of the permission to rest. The caller must check that the time
@@ -20,7 +20,7 @@ class PausableClock {
   explicit PausableClock(double pause_s) OSTEON_RT : rate_change_per_s2_(9.0 / (pause_s * pause_s)) {}
 
   /// @param dt_s  real time that passes; a value that is not > 0 counts as none
-  /// @returns the clock's own time that passes meanwhile [s], 0 … dt_s
+  /// @returns the integral of r over the step: the time by which this clock advances [s], 0 … dt_s
   [[nodiscard]] double Step(double dt_s, bool permitted) OSTEON_RT;
 
   [[nodiscard]] double rate() const OSTEON_RT { return rate_; }

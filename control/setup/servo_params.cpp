@@ -56,9 +56,9 @@ void Validate(const ServoParams& params) {
 }
 
 StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT {
-  // Within a tick the damping may at most stop the motion: its bound is the mass of the lightest axis over
-  // the period. If the law's centre is not at the origin, that mass appears smaller at the origin by the
-  // lever.
+  // The passivity controller's damping may at most stop the motion within a tick. The bound on it is
+  // therefore the mass of the lightest axis over the period. If the law's centre is not at To, the lever
+  // between them makes the effective mass at To smaller.
   const double lever_m = params.stabilisers.passivity.lever_m;
   const double min_mass_kg =
       std::min(law.mass_kg.minCoeff(), law.inertia_kg_m2.minCoeff() / (lever_m * lever_m));
@@ -81,7 +81,8 @@ StabilisedLaw LawOf(const ServoParams& params) {
   };
   require("damping_Ns_per_m", law.damping_Ns_per_m, governor.arm_damping_Ns_per_m);
   require("damping_Nms_per_rad", law.damping_Nms_per_rad, governor.arm_damping_Nms_per_rad);
-  // the wrench takes effect a period after the pose, and lasts a period
+  // age of the pose: the wrench takes effect one period after the pose and is held for one period, 1.5
+  // periods on average; the twist's filter adds its delay
   return {.damping = {.Ns_per_m = law.damping_Ns_per_m, .Nms_per_rad = law.damping_Nms_per_rad},
           .pose_age_s = 1.5 * params.period_s + law.twist_filter_s,
           .work = PortWork::kHeld,
@@ -102,7 +103,7 @@ double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_R
 
 double ForceLimit_N(const ServoParams& params) OSTEON_RT {
   double stiffness_N_per_m = params.coupling.max_stiffness_N_per_m;
-  if (params.compliance.any()) {  // the elements give their energy back as well
+  if (params.compliance.any()) {  // compliant parts store energy too, and give it back
     const double compliance_m_per_N = SeriesCompliance(params.compliance, params.wrench.max_force_N);
     stiffness_N_per_m /= 1.0 + stiffness_N_per_m * compliance_m_per_N;
   }

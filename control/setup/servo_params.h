@@ -28,8 +28,8 @@ namespace osteon::control {
 
 /// Position at which rendering begins. An arm that is handed over elsewhere first moves there.
 struct StartParams {
-  kinematics::JointVectorN<7> q{
-      kinematics::JointVectorN<7>::Zero()};  ///< [rad]; of a six-axis arm the first six
+  /// [rad]; a six-axis arm uses the first six.
+  kinematics::JointVectorN<7> q{kinematics::JointVectorN<7>::Zero()};
   JointPathParams path;
   double tolerance_rad{2e-3};  ///< tolerance of each joint at the start; > 0
   /// If the hand pushes harder than this, the arm stops on its path until the hand lets go; > 0 [N].
@@ -53,12 +53,13 @@ struct ServoParams {
   safety::WrenchLimitParams wrench;
   safety::SensorForceParams sensor_force;
   safety::TwistLimitParams twist;
-  safety::WorkspaceParams workspace;  ///< deceleration: should not exceed the stop's
-  safety::JointGuardParams joints;    ///< limits: the arm's own, no default
+  safety::WorkspaceParams workspace;  ///< its deceleration should not exceed stop_deceleration
+  safety::JointGuardParams joints;    ///< its limits are the arm's own and have no default
   safety::WatchdogParams watchdog;
   safety::DepthLimitParams depth;
-  ComplianceParams compliance;             ///< compliant parts; all absent: the cell is rigid
-  std::optional<GuidanceParams> guidance;  ///< along a surgical plan, for the tool in use; absent: none
+  ComplianceParams compliance;  ///< compliant parts; all absent: the cell is rigid
+  /// Guidance along a surgical plan with the tool in use; absent: none.
+  std::optional<GuidanceParams> guidance;
   safety::EnergyLimitParams energy;
   safety::ForceLimitReactionParams on_force_limit;  ///< kSlow needs the admittance law
   safety::SpindleLimitParams spindle_limits;
@@ -67,16 +68,17 @@ struct ServoParams {
   double stop_deceleration_m_per_s2{3.0};    ///< deceleration of the tool in a stop
   double stop_deceleration_rad_per_s2{8.0};  ///< as above, for rotation
   double joint_stop_s{0.1};                  ///< duration of a stop along the joints
-  /// Longest travel of the apex between a frame's pose and the next frame's arrival, which limits the speed.
-  /// The apex may meet bone as deep as that before a frame shows the bone, because a frame's planes reach
-  /// only e = CuttingParams::normal_enlargement_m beyond the tool. Up to e + 1.5 max_speed period / (1 +
-  /// damping_share), the force's step then stays below safety::WrenchRateTrip.
+  /// Longest travel of the apex between a frame's pose and the next frame's arrival; it limits the tool's
+  /// speed. A frame's planes reach only e = CuttingParams::normal_enlargement_m beyond the tool. The apex may
+  /// therefore enter bone by up to this travel before a frame reports that bone. The resulting step of the
+  /// force stays below the limit of safety::WrenchRateTrip if this value is at most e + 1.5 max_speed period
+  /// / (1 + damping_share).
   double model_sight_m{0.5e-3};
   double arm_angle_rate_rad_per_s{0.1};  ///< fastest turn of the elbow to the wanted arm angle
-  /// Largest acceleration of the commanded joints, as a factor on that of joints.limits; > 0. It is above 1
-  /// because the published limits are for planned motions: a virtual wall of 20 kN/m that is met at 0.25 m/s
-  /// needs 3.4 times as much. With 1 the tool would go 7.1 mm deep instead of 3.9 mm, a hidden limit of the
-  /// force.
+  /// Largest acceleration of the commanded joints, as a factor on the accelerations of joints.limits; > 0.
+  /// The default is above 1 because the published limits are for planned motions. A virtual wall of 20 kN/m
+  /// that is met at 0.25 m/s needs 3.4 times the published acceleration. With a factor of 1 the tool would
+  /// enter this wall 7.1 mm deep instead of 3.9 mm, which amounts to a hidden limit of the force.
   double joint_acceleration_share{4.0};
   kinematics::PosturePreferenceParams posture;
   /// Load at the tool's origin, along and across the tool's z, that the posture should be able to hold; needs
@@ -88,30 +90,30 @@ struct ServoParams {
   BiasParams sensor_bias;
   /// Absent: rendering begins where the arm is handed over. A path for an LBR needs arm_body.
   std::optional<StartParams> start;
-  bool has_spindle{false};    ///< the spindle has a drive: its reported speed counts
+  bool has_spindle{false};    ///< the spindle has a drive, whose reported speed the loop uses
   bool has_interlock{false};  ///< the cell has a PLC: nothing moves without its permission
   /// Model of the LBR with sensor and tool as payload. With it, the coupling is also limited to what the
-  /// joint torques can hold in the posture. Absent, or without masses: only the cell's limits count.
+  /// joint torques can hold in the posture. Absent, or without masses: only the cell's limits apply.
   std::optional<kinematics::ChainParams<7>> arm_body;
 };
 
 /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
 void Validate(const ServoParams& params);
 
-/// The law's properties that the stabilisers depend on.
+/// The properties of the law in `params` that the stabilisers depend on.
 /// @throws std::invalid_argument if the age governor is to act on a law without damping.
 [[nodiscard]] StabilisedLaw LawOf(const ServoParams& params);
-/// The properties of an admittance law, whose gains may change in a tick.
+/// As above, for an admittance law with other gains, for example after a change of gains during a run.
 [[nodiscard]] StabilisedLaw LawOf(const AdmittanceParams& law, const ServoParams& params) OSTEON_RT;
 
 /// The lowest limit of the tool's speed: the cell's, that of the kinetic energy, and kReducedSpeed_m_per_s.
 /// @param reduced the arm is in T1, or does not report its operation mode
 [[nodiscard]] double ToolSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
-/// The lowest limit of the elbow's speed, likewise.
+/// The lowest limit of the elbow's speed: max_elbow_speed_m_per_s, or kReducedSpeed_m_per_s if `reduced`.
 [[nodiscard]] double ElbowSpeedLimit_m_per_s(const ServoParams& params, bool reduced) OSTEON_RT;
-/// Limit of the coupling's force: the cell's, or the lower force at which the bound on stored energy is
-/// reached, with the coupling's stiffness K in series with the compliance c of the compliant parts: 1 / (1/K
-/// + c).
+/// Limit of the coupling's force: the cell's force limit, or the force at which the stored energy reaches its
+/// bound, whichever is lower. The stored energy is computed with the stiffness 1 / (1/K + c): the coupling's
+/// stiffness K in series with the compliance c of the compliant parts.
 [[nodiscard]] double ForceLimit_N(const ServoParams& params) OSTEON_RT;
 
 /// joint_stop_s in ticks, at least one.

@@ -10,14 +10,15 @@ namespace osteon::control {
 namespace {
 
 constexpr double kMargin = 1.02;    // factor on the aged stiffness
-constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kMinPivot = 1e-9;  // pivot of the normals' Gram matrix below which a normal counts as
+                                    // linearly dependent on the others
 constexpr double kDone = 1e-4;      // a factor this near to 1 counts as 1
-constexpr int kMaxRows = 4;         // 3 normals; 1 normal and 2 tangents; 2 normals and 2 times 1 tangent
+constexpr int kMaxRows = 4;         // worst case: 2 normals, and 1 tangent for each of 2 planes
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Columns d = sqrt(w) × direction of motion, with weights w: sum d d^T is the aged stiffness in units of the
-// damping.
+// Columns d = sqrt(w) a, with a scaled force direction a and its weight w (age × stiffness). The sum of d d^T
+// is the aged stiffness divided by the damping.
 struct Rows {
   Eigen::Matrix<double, 6, kMaxRows> d{Eigen::Matrix<double, 6, kMaxRows>::Zero()};
   int count{0};
@@ -27,8 +28,8 @@ struct Rows {
   }
 };
 
-// The six-axis direction of a force along u at lever_W, referred to the damping's centre and divided by the
-// damping's square root.
+// Six-axis direction (force, torque) of a unit force along u that acts at lever_W. The torque is about the
+// damping's centre. Each component is divided by the square root of its axis' damping.
 Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const Matrix3& R_WT,
                              const AxisDamping& root) OSTEON_RT {
   Vector6 a;
@@ -38,7 +39,7 @@ Vector6 ScaledForceDirection(const Vector3& u_W, const Vector3& lever_W, const M
   return a;
 }
 
-// Orthonormal directions of the active planes' normals, each with the force direction that goes with it.
+// Orthonormal basis of the active planes' normals; e holds the scaled force direction of each basis vector.
 struct NormalBasis {
   std::array<Vector3, 3> normal;
   std::array<Vector6, 3> e;
@@ -46,7 +47,7 @@ struct NormalBasis {
   double stiffness_N_per_m{0.0};  // stiffness of the stiffest of these planes, with the coupling's fade
 };
 
-// Gram-Schmidt of the normals, each with its lever: A (N^T N)^-1 A^T = sum e e^T.
+// Gram-Schmidt orthogonalisation of the normals together with their levers: A (N^T N)^-1 A^T = sum e e^T.
 NormalBasis OrthogonalNormals(const CouplingOutput& coupling, const Matrix3& R_WT,
                               const AxisDamping& root) OSTEON_RT {
   NormalBasis basis;
@@ -74,12 +75,14 @@ NormalBasis OrthogonalNormals(const CouplingOutput& coupling, const Matrix3& R_W
 }
 
 // Upper bound of the largest eigenvalue of sum d d^T: the sixteenth root of the trace of the sixteenth power
-// of the columns' Gram matrix. It is divided by its trace meanwhile, against overflow and underflow.
+// of the columns' Gram matrix. The Gram matrix is divided by its trace first, to avoid overflow and
+// underflow.
 double EigenvalueBound(const Rows& rows) OSTEON_RT {
   Eigen::Matrix4d gram;
   gram.noalias() = rows.d.transpose().lazyProduct(rows.d);
   const double trace = gram.trace();
-  if (!(trace > 1.0)) return trace;  // a coarser bound, which is small enough
+  // the trace is a coarser bound, which suffices here: a ratio up to 1 needs no action
+  if (!(trace > 1.0)) return trace;
   gram /= trace;
   for (int i = 0; i < 4; ++i) gram = (gram.lazyProduct(gram)).eval();
   return trace * std::sqrt(std::sqrt(std::sqrt(std::sqrt(gram.trace()))));
@@ -111,7 +114,7 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     for (int i = 0; i < rank; ++i)
       rows.Add(basis.e[static_cast<std::size_t>(i)], kMargin * ages.pose_s * basis.stiffness_N_per_m);
 
-  // the surface turns across the normals
+  // K_2: the rotation of the planes' normals acts along the tangents, which exist only if rank < 3
   if (rank < 3) {
     std::array<Vector3, 2> tangent;
     if (rank == 1) {
@@ -120,7 +123,8 @@ double AgeRatio(const CouplingOutput& coupling, const Matrix3& R_WT, const AxisD
     } else {
       tangent[0] = normal[0].cross(normal[1]);
     }
-    // The first `rank` planes also carry the force of the further planes (walls that press from both sides).
+    // Attribute the force of the remaining planes to the first `rank` planes (for example walls that press
+    // from both sides).
     double total_N = 0.0, counted_N = 0.0;
     for (int j = 0; j < coupling.active_planes; ++j) {
       const double force_N = coupling.active[static_cast<std::size_t>(j)].force_N;
@@ -165,7 +169,8 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
   const AxisDamping D = with_arm(1.0);
   const double ratio = AgeRatio(coupling, R_WT, D, ages, params_.tool_radius_m);
   if (ratio > 1.0) {
-    // the law's damping must supply the arm's share too, on the axis where the law has the smallest part
+    // The factor acts on the law's damping only, but law and arm together must reach the ratio. The axis on
+    // which the law has the smallest part of the sum decides.
     double max_sum_over_law = 1.0;
     for (int i = 0; i < 3; ++i)
       max_sum_over_law = std::max(
@@ -176,7 +181,7 @@ void AgeGovernor::Step(const CouplingOutput& coupling, const Matrix3& R_WT, cons
       if (remaining_ratio > 1.0) scale = 1.0 / remaining_ratio;
     }
   }
-  // immediate rise, slow release
+  // Values move away from 1 immediately and return to 1 slowly.
   const auto released = [&](double value) {
     const double next = value + release_ * (1.0 - value);
     return std::abs(next - 1.0) < kDone ? 1.0 : next;

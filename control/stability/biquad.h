@@ -8,19 +8,20 @@
 
 namespace osteon::control {
 
-/// A second-order filter of vectors, by component. It starts at zero, as if the input had been zero.
+/// A second-order filter of vectors, by component. Its initial state is that of an input that has always been
+/// zero.
 ///
 ///     y = b0 x + s1,   s1' = b1 x - a1 y + s2,   s2' = b2 x - a2 y        (transposed direct form II)
 class Biquad {
  public:
-  /// One stage of a Butterworth filter. `q` is the quality of its pole pair (2nd order: 1/sqrt 2; 4th order:
-  /// 0.5412 and 1.3066); pre-warping keeps the edge at its frequency.
-  /// @param edge_hz  between 0 and half the rate, both excluded
+  /// One stage of a Butterworth filter. `q` is the quality factor of its pole pair (2nd-order filter: 1/sqrt
+  /// 2; 4th-order filter, two stages: 0.5412 and 1.3066). Pre-warping keeps the edge frequency exact.
+  /// @param edge_hz  between 0 and half the sampling rate, both excluded
   [[nodiscard]] static Biquad LowPass(double edge_hz, double q, double period_s) {
     const Prototype p(edge_hz, q, period_s);
     return {p.k2 / p.a0, 2.0 * p.k2 / p.a0, p.k2 / p.a0, p};
   }
-  /// As LowPass, for the frequencies above the edge.
+  /// As LowPass, but passes the frequencies above the edge.
   [[nodiscard]] static Biquad HighPass(double edge_hz, double q, double period_s) {
     const Prototype p(edge_hz, q, period_s);
     return {1.0 / p.a0, -2.0 / p.a0, 1.0 / p.a0, p};
@@ -35,8 +36,8 @@ class Biquad {
   }
 
  private:
-  // Coefficients that low pass and high pass share: k2 = tan²(pi edge period), and the denominator, a1 and a2
-  // divided by a0.
+  // Values that low pass and high pass share: k2 = tan²(pi edge period), and the denominator's coefficients,
+  // with a1 and a2 divided by a0.
   struct Prototype {
     Prototype(double edge_hz, double q, double period_s) {
       const double k = std::tan(std::numbers::pi * edge_hz * period_s);

@@ -9,21 +9,23 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMinPivot = 1e-9;  // of the normals' Gram matrix: below it, a normal depends on the others
+constexpr double kMinPivot = 1e-9;  // pivot of the normals' Gram matrix below which a normal counts as
+                                    // linearly dependent on the others
 
 using Active = std::array<ActivePlane, CouplingOutput::kMaxActive>;
 
 // Energy of the pressing planes after a small step, if all of them keep pressing.
 struct StoredEnergy {
   double potential_J{0.0};
-  double work_J{0.0};  // work of the force after the step, along the step
+  double work_J{0.0};  // F'·dx: work over the step dx of the force F' after the step
 };
 
 // Computes the planes' energy U' and the work F'·dx after a step dx:
 //
 //     U' = U - F·dx + s/2,   F'·dx = F·dx - s,   s = k (J dx)^T (N^T N)^-1 (J dx)
 //
-// by Gram-Schmidt of the normals. @param potential_J  U
+// F is the planes' force before the step, k their stiffness, J maps dx to displacements along the normals N.
+// Computed by Gram-Schmidt orthogonalisation of the normals. @param potential_J U, the energy before the step
 StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J, double fade,
                              const Twist& dx) OSTEON_RT {
   std::array<Vector3, 3> normal;
@@ -33,7 +35,7 @@ StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J
   for (int j = 0; j < count; ++j) {
     const ActivePlane& plane = active[static_cast<std::size_t>(j)];
     double out_m = plane.n_W.dot(dx.v + dx.w.cross(plane.lever_W));
-    // a single plane gives energy only until the tool leaves it
+    // a single plane releases energy only until the tool leaves it
     if (count == 1) out_m = std::min(out_m, plane.force_N / (fade * plane.stiffness_N_per_m));
     work_J += plane.force_N * out_m;
     if (rank == 3) continue;
@@ -56,7 +58,8 @@ StoredEnergy EnergyAfterStep(const Active& active, int count, double potential_J
   return {.potential_J = std::max(0.0, potential_J - work_J + 0.5 * fall_J), .work_J = work_J - fall_J};
 }
 
-// Wrench of the active planes' springs on T at To, in W: faded, without damping and hand-over.
+// Wrench of the active planes' springs on T at To, in W. It includes the coupling's fade, but neither damping
+// nor hand-over.
 Wrench SpringOf(const CouplingOutput& coupling) OSTEON_RT {
   Wrench F;
   for (int j = 0; j < coupling.active_planes; ++j) {
@@ -101,13 +104,15 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
   const Wrench spring = SpringOf(coupling);
   const double work_J = Power(spring, dx);
   StoredEnergy old = EnergyAfterStep(active_, active_planes_, potential_J_, fade_, dx);
-  if (!coupling.new_planes && coupling.fade > 0.0) {  // planes that are touched now existed before
+  // the planes are the previous tick's, so those touched only now existed then too
+  if (!coupling.new_planes && coupling.fade > 0.0) {
     const double faded = std::min(1.0, fade_ / coupling.fade);
     old.potential_J = std::max(old.potential_J, faded * coupling.potential_J);
     old.work_J = faded * work_J;
   }
 
-  // available energy, and the energy that this tick's planes would store, each with its own gains
+  // Available energy with the previous tick's gains, and the energy that this tick's planes would store with
+  // this tick's gain.
   const double available_J = gain_ * scale_ * (old.potential_J + 0.5 * old.work_J) + tank_J_;
   const double wanted_J = gain * (coupling.potential_J + 0.5 * work_J);
   const double scale = std::min(1.0, scale_ + period_s_ / params_.ramp_s);
@@ -122,7 +127,8 @@ double EnergyTank::Step(const CouplingOutput& coupling, const Pose& X_WT, const 
     tank_J_ = 0.0;
   }
 
-  // the force of a hand-over does half of its work in the step before it and half in the step after it
+  // The force of a hand-over in a tick does half of its work in the step before the tick and half in the step
+  // after it.
   const Wrench& added = coupling.F_hand_over_T_W;
   const double added_J = gain * scale_ * Power(added, dx);
   tank_J_ -= 0.5 * Power(hand_over_T_W_, dx);

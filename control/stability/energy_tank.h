@@ -16,8 +16,8 @@ struct EnergyTankParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const EnergyTankParams& params);
 
-/// Store of energy that pays whenever planes, material or gains change in time and so add energy to the
-/// coupling's spring that no motion has put in. Let U_0 be the energy that the planes and gains of the
+/// Store of energy. Changes of planes, material or gains can add energy to the coupling's spring that no
+/// motion has put in; the tank pays for this energy. Let U_0 be the energy that the planes and gains of the
 /// previous tick would store at this tick's pose, and U_1 the energy that this tick's planes and gains store:
 ///
 ///     U_1 > U_0:  the tank pays U_1 - U_0;  if it holds less, the coupling is scaled:
@@ -25,26 +25,27 @@ void Validate(const EnergyTankParams& params);
 ///     U_1 < U_0:  the difference goes into the tank, up to the cap; so does the energy that the coupling's
 ///                 damping has dissipated
 ///
-/// Over any time, the coupling therefore gives out at most what was put in, plus the cap.
+/// Over any time, the coupling therefore gives out at most the energy that was put in, plus the cap.
 ///
-/// - Motion: a force that rises within a frame is due to the motion and costs nothing. Planes that recede
-/// fill
-///   the tank.
-/// - Gains: the coupling's fade and the governor's scale are gains. Their fall fills the tank, and their rise
-///   costs.
-/// - Hand-over: a hand-over adds a force to that of the planes (hand_over.h). The tank pays for its work, or
-///   receives it, tick by tick. If it cannot pay for the whole hand-over, only hand_over_scale() of it may be
+/// - Motion: a force that rises while the planes stay those of one frame is due to the motion and costs
+/// nothing. Planes that recede fill the tank.
+/// - Gains: the coupling's fade and the governor's scale are gains. A falling gain fills the tank, and a
+/// rising gain draws from it.
+/// - Hand-over: a hand-over adds a force to that of the planes (hand_over.h). In each tick the tank pays for
+/// the work of this force, or receives it. If it cannot pay for the whole hand-over, only hand_over_scale()
+/// of it may be
 ///   rendered.
 /// - Scale: after s < 1, the scale rises as the tank fills, by at most 1/ramp_s. It returns to 1 at once when
 ///   contact ends, which costs nothing.
-/// - Accuracy: each U includes F·dx / 2 of the last step, the integrator's contribution if the force jumps.
-///   U_0 is exact for the planes that pressed. Its error is at most 1e-3 J at 0.25 m/s if a plane is first
+/// - Accuracy: each U includes F·dx / 2 of the last step, the energy that the integration over a step adds if
+/// the force jumps. U_0 is exact for the planes that were touched in the previous tick. Its error is at most
+/// 1e-3 J at 0.25 m/s if a plane is first
 ///   touched in the tick in which a frame arrives or a held-back plane is being released.
 ///
-/// The tank acts before energy reaches the tool, but covers only changes at a known time. The passivity
-/// controller covers the effects of an old, held or limited force. A tank that is too small cannot pay for
-/// the usual differences between frames, and softens a stable wall. Source: control.md of the design; the
-/// idea is Franken and others, IEEE Trans. Robotics 27, 2011 (from memory).
+/// The tank acts before energy reaches the tool, but covers only changes of planes and gains between ticks,
+/// whose time is known. The passivity controller covers the effects of an old, held or limited force. A tank
+/// that is too small cannot pay for the usual differences between frames, and softens a stable wall. Source:
+/// control.md of the design; the idea is Franken and others, IEEE Trans. Robotics 27, 2011 (from memory).
 class EnergyTank {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -67,14 +68,14 @@ class EnergyTank {
  private:
   EnergyTankParams params_;
   double period_s_, tank_J_, scale_{1.0}, paid_J_{0.0};
-  // values of the previous tick
+  // the members below are values of the previous tick
   bool begun_{false};  // there was a previous tick
   Pose X_before_{Pose::Identity()};
   std::array<ActivePlane, CouplingOutput::kMaxActive> active_{};
   int active_planes_{0};
   double potential_J_{0.0}, fade_{0.0}, gain_{0.0};
   double hand_over_scale_{1.0};
-  Wrench hand_over_T_W_;  // the hand-over's wrench as it was rendered
+  Wrench hand_over_T_W_;  // rendered wrench of the hand-over
 };
 
 }  // namespace osteon::control

@@ -8,8 +8,8 @@
 namespace osteon::control {
 namespace {
 
-// Tolerated error of the energy at a touch, K v^2 T^2 / 2 at 60 N/mm and 0.25 m/s: the force of the tick
-// before is 0 although the tool already moves into the planes.
+// Tolerated error of the energy when a contact begins, K v^2 T^2 / 2 at K = 60 N/mm, v = 0.25 m/s and T = 1
+// ms: the force of the previous tick is 0 although the tool already moves into the planes.
 constexpr double kTouch_J = 2e-3;
 
 }  // namespace
@@ -50,7 +50,7 @@ void PassivityController::ScaleRendered(double share) OSTEON_RT {
 }
 
 Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
-  // energy exchanged since the tick before
+  // energy exchanged since the previous tick
   if (port.contact && !touched_) energy_J_ = -std::min(kTouch_J, params_.allowance_J);
   touched_ = port.contact;
   step_before_ = {};
@@ -73,7 +73,7 @@ Wrench PassivityController::Step(const PortTick& port) OSTEON_RT {
   energy_J_ -= port.paid_J;
   energy_J_ = std::max(energy_J_, -(port.potential_J + params_.allowance_J));
 
-  // the damping that takes the generated energy back
+  // damping that dissipates the generated energy
   const double lever2 = params_.lever_m * params_.lever_m;
   const double speed2 = port.V_WT.v.squaredNorm() + lever2 * port.V_WT.w.squaredNorm();
   if (!params_.acts || !(energy_J_ > 0.0) || speed2 < params_.min_speed_m_per_s * params_.min_speed_m_per_s)

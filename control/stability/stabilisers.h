@@ -37,11 +37,11 @@ struct StabilisedLaw {
 ///
 ///     coupling → age governor: scale, damping → energy tank: scale → limits → passivity: damping → law
 ///
-/// The governor comes first, because its scale is a gain of the coupling, and the tank pays whenever a gain
-/// rises. Both act before energy reaches the tool. The passivity controller observes the coupling after the
-/// limits of force, torque and stored energy, and learns the power limit's scale through ScaleRendered. It
-/// does not observe the depth limit's resistance, which is not a force of the planes. The controller is the
-/// last resort: usually the other two leave it nothing to correct.
+/// The governor comes before the tank because its scale is a gain of the coupling, and the tank must pay when
+/// a gain rises. Governor and tank act before energy reaches the tool. The passivity controller observes the
+/// coupling after the limits of force, torque and stored energy, and learns the power limit's scale through
+/// ScaleRendered. It does not observe the depth limit's resistance, which is not a force of the planes. The
+/// passivity controller is the last resort: with governor and tank active it usually has nothing to correct.
 class Stabilisers {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -56,11 +56,12 @@ class Stabilisers {
 
   /// Scales the coupling, before the limits. @param X_WT, V_WT  pose and velocity at which the coupling was
   /// evaluated
-  /// @returns the coupling's wrench with both scales; unchanged if they are 1.
+  /// @returns the coupling's wrench times the scales of governor and tank; unchanged if both are 1.
   [[nodiscard]] Wrench ScaleCoupling(const CouplingOutput& coupling, const Pose& X_WT,
                                      const Twist& V_WT) OSTEON_RT;
 
-  /// Adds the passivity controller's damping, after the limits, with the same coupling, pose and velocity.
+  /// Adds the passivity controller's damping, after the limits. Coupling, pose and velocity must be those
+  /// given to ScaleCoupling.
   /// @param limited  ScaleCoupling's result after the limits
   /// @returns the wrench to render: limited.F, plus the damping if there is energy to take back, within the
   ///   limiter's force and torque
@@ -71,7 +72,7 @@ class Stabilisers {
   /// Reports that a later limit passed only this share of AddPassivityDamping's wrench, 0 … 1.
   void ScaleRendered(double share) OSTEON_RT { passivity_.ScaleRendered(share); }
 
-  /// Writes the stabilisers' fields of the record. The record has no struct for them.
+  /// Writes the stabilisers' results into the record.
   void FillRecord(TickRecord& record) const OSTEON_RT;
 
   /// Factor on the law's damping; >= 1.

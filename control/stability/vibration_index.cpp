@@ -13,18 +13,21 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxOfRate = 0.4;  // largest edge of a filter, as a share of the sampling rate
-// Quality of a second-order filter: Butterworth, and critically damped, which a jolt does not make ring.
+constexpr double kMaxOfRate = 0.4;  // largest edge frequency of a filter, as a share of the sampling rate
+// Quality factors of second-order filters: Butterworth, and critically damped (does not ring after a jolt).
 constexpr double kQButterworth = 0.7071067811865476, kQCritical = 0.5;
-// Share of a half-wave's peak: a value of the other sign, larger than this, begins the next half-wave.
+// Share of a half-wave's peak. The next half-wave begins with the first value of the opposite sign whose
+// magnitude exceeds this share.
 constexpr double kTurns = 0.15;
-constexpr double kPassed = 0.8;               // share of a peak: below it the peak has passed
-constexpr double kDies = 0.5, kGrows = 10.0;  // bounds of an oscillation's peak over its previous peak
-constexpr double kAlertFalls = 2.0;           // time constant of the alert's fall over that of its rise
-// Tolerance of an oscillation's half period, at low_hz and at high_hz.
+constexpr double kPassed = 0.8;  // the peak has passed once the magnitude is below this share of it
+// bounds of the ratio of an oscillation's peak to its previous peak
+constexpr double kDies = 0.5, kGrows = 10.0;
+constexpr double kAlertFalls = 2.0;  // ratio of the alert's time constants of fall and rise
+// Tolerances of an oscillation's half period: it may be longer than that of low_hz by kSlower, and shorter
+// than that of high_hz by kFaster.
 constexpr double kSlower = 1.1, kFaster = 1.25;
-// Factors on low_hz and high_hz: the notches cover the harmonics between, some of which lie outside the band
-// but still pass its filters.
+// Factors on low_hz and high_hz. Notches remove the harmonics between the two products, because harmonics
+// near the band still pass the band's filters.
 constexpr double kBelowBand = 0.5, kAboveBand = 1.5;
 
 const VibrationParams& Validated(const VibrationParams& params) {
@@ -34,11 +37,11 @@ const VibrationParams& Validated(const VibrationParams& params) {
 
 // Detector of half-waves for the band low_hz … high_hz, with tolerances.
 HalfWaves MakeHalfWaves(const VibrationParams& params, double period_s) {
-  // a half period is measured to a tick at each end
+  // the measured half period may be wrong by one tick in either direction
   return {0.5 / (kFaster * params.high_hz) - period_s, kSlower * 0.5 / params.low_hz + period_s};
 }
 
-// The filter's edge [Hz], lowered where the sampling rate is too low for it.
+// Returns the filter's edge frequency [Hz], lowered if the sampling rate is too low for it.
 double LimitToRate(double hz, double period_s) { return std::min(hz, kMaxOfRate / period_s); }
 
 }  // namespace
@@ -68,7 +71,7 @@ double HalfWaves::Step(double x, double dt_s) OSTEON_RT {
   const double size = std::abs(x);
   since_peak_s_ += dt_s;
   since_last_s_ += dt_s;
-  if (x * sign_ < 0.0 && size > kTurns * peak_) {  // noise about zero is not a half-wave
+  if (x * sign_ < 0.0 && size > kTurns * peak_) {  // smaller values are noise about zero
     sign_ = -sign_;
     last_ = peak_;
     since_last_s_ = since_peak_s_;
@@ -123,7 +126,8 @@ void VibrationIndex::Reset() OSTEON_RT {
   reference_.Reset();
 }
 
-// Removes the spindle's harmonics from the band; each line's amplitudes adapt to the remainder.
+// Subtracts the spindle's harmonics from the band signal x. The amplitudes of each harmonic then adapt to the
+// remainder.
 Vector3 VibrationIndex::RemoveSpindleLines(Lines& lines, const Vector3& x) const OSTEON_RT {
   Vector3 rest = x;
   const auto count = static_cast<std::size_t>(to_ - from_);
@@ -163,7 +167,7 @@ void VibrationIndex::AdvanceSpindle(double spindle_rad_per_s) OSTEON_RT {
   sin_ = lines.sin;
 }
 
-// Updates a channel's energies of oscillation, band and slow motion with the tick's input x [N].
+// Updates a channel's three energies (oscillation, band, slow motion) with the tick's input x [N].
 void VibrationIndex::FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT {
   const Vector3 from_first = x - channel.first;
   const Vector3 band = RemoveSpindleLines(channel.lines, channel.low.Step(channel.high.Step(from_first)));
@@ -182,7 +186,7 @@ void VibrationIndex::FilterChannel(Channel& channel, const Vector3& x) OSTEON_RT
 double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT {
   if (!safety::IsFinite(F) || !std::isfinite(spindle_rad_per_s)) return index();
   const Vector3 at_lever_N = F.t / params_.lever_m;
-  if (!begun_) {  // the filters start at rest, at the present wrench
+  if (!begun_) {  // the filters start in the steady state of the present wrench
     force_.first = F.f;
     torque_.first = at_lever_N;
     begun_ = true;
@@ -193,13 +197,13 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
 
   const double floor2 = params_.floor_N * params_.floor_N;
   const double slow_and_floor_energy = force_.slow_energy + torque_.slow_energy + floor2;
-  // w(E) of the class's comment
+  // w(E), as defined in the class's comment
   const auto wanted = [&](double energy) {
     const double beyond = std::max(0.0, energy - reference_.allowed_energy());
     const double share = beyond / (beyond + slow_and_floor_energy);
     return std::clamp((share - params_.share_low) / (params_.share_high - params_.share_low), 0.0, 1.0);
   };
-  // moves an index toward its goal by one tick, upward with rise_s
+  // moves an index toward its goal by one tick: upward with time constant rise_s, downward with falls_s
   const auto toward = [this](double& index, double goal, double falls_s) {
     const double takes_s = goal > index ? params_.rise_s : falls_s;
     index += std::min(1.0, period_s_ / takes_s) * (goal - index);
@@ -207,8 +211,8 @@ double VibrationIndex::Step(const Wrench& F, double spindle_rad_per_s) OSTEON_RT
   const double oscillation_energy = force_.oscillation_energy + torque_.oscillation_energy,
                band_energy = force_.band_energy + torque_.band_energy;
   const double goal = wanted(oscillation_energy), alert = wanted(band_energy);
-  const double min_energy =
-      params_.share_low / (1.0 - params_.share_low) * floor2;  // energies below it never raise the index
+  // energies below this value never raise the index
+  const double min_energy = params_.share_low / (1.0 - params_.share_low) * floor2;
   reference_.Step(oscillation_energy, goal, seen_, min_energy, period_s_);
   toward(seen_, reference_.testing() ? 1.0 : goal,
          reference_.attributed_to_hand() ? params_.release_s : params_.decay_ratio * params_.rise_s);

@@ -8,17 +8,20 @@
 namespace osteon::control {
 namespace {
 
-// A test in which the energy has fallen by more than this factor is extended, because a tremor that beats may
-// fall as far.
+// If the energy falls by more than this factor during a test, the test is extended, because the energy of a
+// beating tremor may fall as far.
 constexpr double kBeats = 2.0;
-// If the largest energy in the extension is less than before the test by more than this factor, the vibration
-// was the loop's.
+// If the largest energy in the extension is smaller than before the test by more than this factor, the
+// vibration was an oscillation of the loop.
 constexpr double kLightens = 3.0;
-constexpr double kTrust_s = 6.0;    // time constant of the memory of suspicion: oscillation comes and goes
-constexpr double kLight = 0.01;     // index below which the virtual tool counts as light
-constexpr double kSettle_s = 0.15;  // begin of a test's extension in which its energy is not measured
-constexpr double kBeat_s = 1.0;     // after a test, R follows a tremor's beats for this long
-constexpr double kSure = 0.9;  // raw index that starts a test while watchful: a damped loop stays below it
+// time constant with which suspected_s_ and before2_ decay: oscillation is intermittent
+constexpr double kTrust_s = 6.0;
+constexpr double kLight = 0.01;  // index below which the drag counts as released
+// time at the beginning of a test's extension in which the energy is not measured
+constexpr double kSettle_s = 0.15;
+constexpr double kBeat_s = 1.0;  // after a test, R follows a tremor's beats for this long
+// a raw index above this starts a test while watchful; a damped loop stays below it
+constexpr double kSure = 0.9;
 
 const ReferenceParams& Validated(const ReferenceParams& params) {
   Validate(params);
@@ -51,7 +54,8 @@ void VibrationReference::Reset() OSTEON_RT {
 
 double VibrationReference::reference_N() const OSTEON_RT { return std::sqrt(reference2_); }
 
-// At the end of a test, decides by the remaining energy: a tremor, the loop, or an extension of the test.
+// At the end of a test, decides by the remaining energy whether the vibration was a tremor or the loop's
+// oscillation, or whether the test is extended.
 void VibrationReference::EvaluateTest() OSTEON_RT {
   if (tested_s_ < params_.test_s) return;
   if (!watchful_) {
@@ -75,7 +79,7 @@ void VibrationReference::EvaluateTest() OSTEON_RT {
 
 void VibrationReference::Step(double oscillation_energy, double raw_index, double index, double min_energy,
                               double dt_s) OSTEON_RT {
-  // a test: find the largest energy in its measured part
+  // during a test: find the largest energy in the test's measured part
   if (testing_) {
     tested_s_ += dt_s;
     const double from_s =
@@ -91,7 +95,7 @@ void VibrationReference::Step(double oscillation_energy, double raw_index, doubl
   } else if (!watchful_) {
     reference2_ = std::max(reference2_, std::min(oscillation_energy, beat_limit2_));
   }
-  // the suspicion decays slowly, because an oscillation at the threshold comes and goes
+  // The suspected time decays slowly, because an oscillation near the threshold is intermittent.
   const bool suspected = raw_index > (watchful_ ? kSure : 0.0);
   suspected_s_ += suspected ? dt_s : -dt_s / kTrust_s * suspected_s_;
   before2_ = std::max(oscillation_energy, before2_ - dt_s / kTrust_s * before2_);

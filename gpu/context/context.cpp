@@ -22,7 +22,7 @@ std::string Lower(std::string text) {
   return text;
 }
 
-// Order of preference of a kind of device, 0 … 4.
+// Rank of a kind of device in the order of preference: 0 (preferred) … 4.
 int Rank(vk::PhysicalDeviceType type) {
   switch (type) {
     case vk::PhysicalDeviceType::eDiscreteGpu:
@@ -38,10 +38,11 @@ int Rank(vk::PhysicalDeviceType type) {
   }
 }
 
-// Index of the queue family to use: one for compute without graphics if there is any; absent: no compute.
+// Index of the queue family to use, preferably one for compute without graphics; absent: the device has no
+// compute queue.
 std::optional<std::uint32_t> ComputeFamily(const vk::raii::PhysicalDevice& device) {
   const auto families = device.getQueueFamilyProperties();
-  // a submit to a queue family for compute alone takes half the time
+  // a submit to a family without graphics takes half the time
   std::optional<std::uint32_t> found;
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     const vk::QueueFlags flags = families[i].queueFlags;
@@ -58,7 +59,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
       device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
   const vk::PhysicalDeviceProperties& p = chain.get<vk::PhysicalDeviceProperties2>().properties;
   const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-  // in the order of Rank
+  // indexed by Rank
   static constexpr const char* kKinds[] = {"discrete", "integrated", "virtual", "cpu", "other"};
   DeviceInfo info{.name = p.deviceName.data(),
                   .kind = kKinds[Rank(p.deviceType)],
@@ -77,7 +78,7 @@ DeviceInfo Inspect(const vk::raii::PhysicalDevice& device) {
   return info;
 }
 
-// Reads the sizes of subgroups that a device offers, limited to those that the passes can run in.
+// Returns the subgroup sizes that a device offers and the passes support.
 Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
   Subgroups found{
       .size = device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceSubgroupProperties>()
@@ -102,7 +103,7 @@ Subgroups FindSubgroups(const vk::raii::PhysicalDevice& device) {
   return found;
 }
 
-// All devices, the preferred kind first.
+// Returns all devices, sorted by Rank.
 std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance) {
   vk::raii::PhysicalDevices found(instance);
   std::vector<vk::raii::PhysicalDevice> devices;
@@ -113,10 +114,10 @@ std::vector<vk::raii::PhysicalDevice> Devices(const vk::raii::Instance& instance
   return devices;
 }
 
-// Whether a validation message is a known false alarm. The layers treat a buffer as a whole: they ask for a
-// barrier where a dispatch reads its number of workgroups from the frame buffer after a pass that wrote other
-// words of that buffer. Only pick_points and earlier passes write the words of the dispatch, and the barrier
-// after pick_points includes indirect reads.
+// Whether a validation message is a known false alarm. The layers treat a buffer as a whole: they require a
+// barrier if a pass wrote any words of the frame buffer before a dispatch reads its number of workgroups from
+// that buffer. The barrier is not needed: only pick_points and earlier passes write the words that the
+// dispatch reads, and the barrier after pick_points already covers indirect reads.
 bool IsOtherWordsOfFrame(const VkDebugUtilsMessengerCallbackDataEXT& data) {
   return data.pMessageIdName != nullptr && std::strstr(data.pMessageIdName, "SYNC-HAZARD-READ-AFTER-WRITE") &&
          std::strstr(data.pMessage, "for indirect VkBuffer") && data.objectCount > 0 &&
@@ -140,20 +141,22 @@ class OpeningError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Appends an error message of Vulkan's loader to a text, once each. @param user  the text, a std::string
+// Appends an error message of Vulkan's loader to a text, unless the text already contains it. @param user the
+// text, a std::string
 VKAPI_ATTR VkBool32 VKAPI_CALL OnLoaderError(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                              VkDebugUtilsMessageTypeFlagsEXT,
                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   std::string& loader_errors = *static_cast<std::string*>(user);
   const std::string_view message(data->pMessage);
-  if (message.find("Found no drivers") != message.npos) return VK_FALSE;  // the returned error says so
+  // the error that is returned to the user states this
+  if (message.find("Found no drivers") != message.npos) return VK_FALSE;
   if (loader_errors.find(message) == loader_errors.npos)
     loader_errors.append(loader_errors.empty() ? " " : "; ").append(message);
   return VK_FALSE;
 }
 
-/// Makes the instance with these extensions and the one for messages. An exception includes the loader's
-/// messages about each manifest and library.
+/// Makes the instance with these extensions and with VK_EXT_debug_utils, which delivers messages. If it
+/// throws, the exception's text includes the loader's messages.
 void Open(SharedInstance& made, vk::InstanceCreateInfo create, std::vector<const char*> extensions) {
   std::string& loader_messages = made.loader_errors;
   vk::DebugUtilsMessengerCreateInfoEXT listen({}, vk::DebugUtilsMessageSeverityFlagBitsEXT::eError,
@@ -199,8 +202,9 @@ std::shared_ptr<SharedInstance> MakeInstance(bool validation) {
   return made;
 }
 
-// The process's instance, never released: unloading a driver at the process's end would destroy data that its
-// globals still use. Where it cannot be made (no driver, no layers) the next caller tries again.
+// Returns the process's instance. It is never released, because unloading a driver at the process's end would
+// destroy data that the driver's globals still use. If the instance cannot be made (no driver, no layers),
+// the next call tries again.
 std::shared_ptr<SharedInstance> OpenInstance(bool validation) {
   if (validation) {
     static const auto& layered = *new std::shared_ptr<SharedInstance>(MakeInstance(true));
@@ -220,7 +224,7 @@ DeviceReport ReportOf(const vk::raii::PhysicalDevice& device) {
                       .features = {},
                       .has_compute_queue = ComputeFamily(device).has_value()};
   report.subgroups.pNext = nullptr;
-  // a device of an older API has no such features to ask for
+  // a device of an older API does not report the features of Vulkan 1.2
   if (report.properties.apiVersion < VK_API_VERSION_1_2) return report;
   const auto features =
       device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>();
@@ -244,7 +248,7 @@ std::string OpeningFailure(const std::exception& error) {
     return "validation layers are not installed (package vulkan-validationlayers)";
   if (dynamic_cast<const OpeningError*>(&error)) return error.what();
   if (dynamic_cast<const vk::IncompatibleDriverError*>(&error)) return kNoDriver;
-  // the loader's library itself is missing: vulkan_raii throws its own error then
+  // if the loader's library is missing, vulkan_raii throws an error of its own with this text
   if (std::strstr(error.what(), "Failed to load vulkan library")) return kNoDriver;
   return std::string("Vulkan could not be opened: ") + error.what();
 }
@@ -290,7 +294,7 @@ tl::expected<std::unique_ptr<Context>, std::string> OpenContext(const std::strin
     create.setPEnabledExtensionNames(size_control);
     features.vulkan12.pNext = &sizes;
   }
-  // the driver's workers start while the device opens
+  // a software driver starts its worker threads while the device opens
   const DriverThreads threads;
   context->device.emplace(*context->physical, create);
   threads.PinWorkers();
@@ -310,7 +314,7 @@ void NameForLayers(const Context& context, const Buffer& buffer, const char* nam
 std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
                                        const vk::MemoryRequirements& needs, Placement placement) {
   using Property = vk::MemoryPropertyFlagBits;
-  // the placement's preferences, best first; the last one always exists
+  // memory properties for the placement, best first; every device has memory with the last ones
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;
   const std::vector<vk::MemoryPropertyFlags> choices =
       placement == Placement::kDevice ? std::vector<vk::MemoryPropertyFlags>{Property::eDeviceLocal, {}}

@@ -18,21 +18,22 @@
 
 namespace osteon::gpu {
 
-/// The process's Vulkan instance, of which there is one without the validation layers and one with them. It
-/// is made only once because drivers limit the number of instances (one fails after 29).
+/// A Vulkan instance of the process. The process has at most two: one without and one with the validation
+/// layers. Each is made only once because drivers limit the number of instances (one driver fails after 29).
 struct SharedInstance {
   vk::raii::Context loader;
-  std::atomic<int> messages{0};  ///< number of validation messages, about all devices; text goes to stderr
-  std::string loader_errors;  ///< reported by the loader while the instance was made; outlives the instance
+  std::atomic<int> messages{0};  ///< validation messages so far, of all devices; texts go to stderr
+  std::string loader_errors;     ///< errors that the loader reported while the instance was made; declared
+                                 ///< first, so it outlives the instance
   std::optional<vk::raii::Instance> instance;
   std::optional<vk::raii::DebugUtilsMessengerEXT> messenger;  ///< only with the layers
 };
 
-/// Subgroups of a device: invocations of a workgroup that execute together.
+/// Subgroup sizes of a device. A subgroup is a set of invocations of a workgroup that execute together.
 struct Subgroups {
-  std::uint32_t size{0};  ///< size for a pass that requests none
+  std::uint32_t size{0};  ///< size of a subgroup in a pass that requests no size
   bool can_choose{false};
-  std::uint32_t min_size{0}, max_size{0};  ///< range of sizes that a pass can request, powers of two
+  std::uint32_t min_size{0}, max_size{0};  ///< range of sizes that a pass can request; both are powers of two
   bool can_be_full{false};                 ///< a pass can require that all its invocations are active
 };
 
@@ -47,36 +48,38 @@ struct Context {
   DeviceInfo info;
   Arithmetic arithmetic{Arithmetic::kInt64};  ///< not kAuto
   Subgroups subgroups;
-  /// The shaders may use fma() for the rounding error of a float product (HasFusedFma). Only found out, and
-  /// only needed, for arithmetic without doubles.
+  /// The shaders may use fma() to compute the rounding error of a float product (HasFusedFma). Measured only
+  /// for arithmetic without doubles, which alone needs it.
   bool fused_fma{false};
 };
 
-/// Reads a device's properties.
+/// Reads those properties of a device that the engine's needs are about.
 [[nodiscard]] DeviceReport ReportOf(const vk::raii::PhysicalDevice& device);
 
-/// Opens a device: the first usable one with this name, in the order of ListDevices.
-/// @param name        part of a device's name, in any case; empty: the default device.
-/// @param arithmetic  which optional features the device opens with; kAuto: those that it has.
+/// Opens the first usable device, in the order of ListDevices, whose name contains `name`.
+/// @param name        part of a device's name, upper or lower case; empty: the default device.
+/// @param arithmetic  arithmetic whose optional features the device opens with; kAuto: the first arithmetic
+/// that the device supports.
 /// @returns an error for the user that names the devices found, or says what to install.
 [[nodiscard]] tl::expected<std::unique_ptr<Context>, std::string> OpenContext(
     const std::string& name, bool validation, Arithmetic arithmetic = Arithmetic::kAuto);
 
-/// Reason why Vulkan could not be opened, for the user: what to install where loader, driver or layers are
-/// missing, otherwise Vulkan's own message.
+/// Returns the reason why Vulkan could not be opened, for the user: what to install if loader, driver or
+/// layers are missing, otherwise Vulkan's own message.
 [[nodiscard]] std::string OpeningFailure(const std::exception& error);
 
 /// A buffer with its own memory.
 struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
-  void* mapped{nullptr};     ///< the memory as the host sees it; nullptr for Placement::kDevice
+  void* mapped{nullptr};     ///< address of the memory on the host; nullptr for Placement::kDevice
   vk::DeviceSize size{0};    ///< bytes
-  bool device_local{false};  ///< the memory is the device's own
+  bool device_local{false};  ///< the memory is device-local
 };
 
-/// Location of a buffer: on the device; in host memory for writing or for reading; or on the device in memory
-/// that the host can write to, if there is any.
+/// Location of a buffer. kDevice: on the device. kUpload, kReadBack: in host memory, for writing or for
+/// reading by the host. kShared: on the device in memory that the host can write to, or in host memory if the
+/// device has no such memory.
 enum class Placement { kDevice, kUpload, kReadBack, kShared };
 
 /// Name of the buffer that holds a frame, in the validation layers' messages.
@@ -84,14 +87,14 @@ inline constexpr const char* kFrameBufferName = "frame";
 /// Names a buffer in the layers' messages; does nothing without the layers.
 void NameForLayers(const Context& context, const Buffer& buffer, const char* name);
 
-/// Memory types that a buffer can use, in order of the placement's preference. Types whose heap is smaller
+/// Memory types that a buffer can use, in the placement's order of preference. Types whose heap is smaller
 /// than the buffer are left out (a host-visible window into a card's memory often has 256 MB).
 [[nodiscard]] std::vector<std::uint32_t> MemoryTypes(const vk::PhysicalDeviceMemoryProperties& memory,
                                                      const vk::MemoryRequirements& needs,
                                                      Placement placement);
 
 /// Returns the first of the types for which `allocate(type)` does not throw vk::OutOfDeviceMemoryError or
-/// vk::OutOfHostMemoryError. @throws vk::OutOfDeviceMemoryError where there is none.
+/// vk::OutOfHostMemoryError. @throws vk::OutOfDeviceMemoryError if no type succeeds.
 template <class Allocate>
 std::uint32_t AllocateFromFirst(const std::vector<std::uint32_t>& types, Allocate allocate) {
   for (const std::uint32_t type : types) {

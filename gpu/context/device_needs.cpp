@@ -16,14 +16,14 @@ const vk::SubgroupFeatureFlags kSubgroupNeeds =
 
 constexpr std::uint32_t kSharedMemory = 32'000;  // bytes of shared memory that a workgroup may use
 
-// Largest number of invocations in a workgroup along x. On a GPU some passes need kWideLanes; on a processor
-// all have fewer than Vulkan's minimum.
+// Largest number of invocations along x that a device allows in a workgroup. On a GPU some passes need
+// kWideLanes; on a processor all passes need fewer than the number that Vulkan guarantees.
 std::uint32_t MaxInvocations(const DeviceReport& report) {
   const vk::PhysicalDeviceLimits& limits = report.properties.limits;
   return std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
 }
 
-// All needs, for DeviceNeeds.
+// Makes the list that DeviceNeeds returns.
 std::vector<DeviceNeed> MakeNeeds() {
   return {
       {.name = "Vulkan",
@@ -127,7 +127,7 @@ std::span<const DeviceNeed> DeviceNeeds() {
 
 namespace {
 
-// The required or the optional needs that a device does not meet. If the first one, Vulkan's version, is
+// The required or the optional needs that a device does not meet. If the first need, Vulkan's version, is
 // unmet, the others are not checked.
 std::vector<UnmetNeed> FindUnmet(const DeviceReport& report, bool optional) {
   std::vector<UnmetNeed> unmet;

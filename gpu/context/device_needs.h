@@ -13,10 +13,11 @@
 
 namespace osteon::gpu {
 
-/// Smallest subgroup that the passes run in: shared memory has places for kWideLanes / 4 subgroups.
+/// Smallest subgroup size that the passes support: their shared memory has room for the results of kWideLanes
+/// / 4 subgroups.
 inline constexpr std::uint32_t kMinSubgroup = 4;
 
-/// Features that a device offers, or that are asked for when it opens.
+/// Features that a device offers, or that the engine requests when it opens the device.
 struct DeviceFeatures {
   vk::PhysicalDeviceFeatures core;
   vk::PhysicalDeviceVulkan12Features vulkan12;
@@ -30,8 +31,8 @@ struct DeviceReport {
   bool has_compute_queue{false};
 };
 
-/// One thing that the cutting engine needs of a device: a feature, which is also asked for when the device
-/// opens, or another property.
+/// One requirement of the cutting engine on a device: a feature, which the engine also requests when it opens
+/// the device, or another property.
 struct DeviceNeed {
   std::string name, accepted, why;
   vk::Bool32* (*feature)(DeviceFeatures&){nullptr};    ///< nullptr for another property
@@ -49,7 +50,7 @@ struct DeviceNeed {
 /// Formats a version that Vulkan packs into one number, e.g. "1.3.239".
 [[nodiscard]] std::string ApiVersionText(std::uint32_t version);
 
-/// The needs that a device does not meet; empty where the engine can use it.
+/// The needs that a device does not meet; empty if the engine can use the device.
 [[nodiscard]] std::vector<UnmetNeed> UnmetNeeds(const DeviceReport& report);
 
 /// Whether a device has the features of an arithmetic.
@@ -58,10 +59,11 @@ struct DeviceNeed {
 /// The first arithmetic for which a device has the features.
 [[nodiscard]] Arithmetic AvailableArithmetic(const DeviceReport& report);
 
-/// The optional needs that a device does not meet; empty where it has Arithmetic::kInt64.
+/// The optional needs that a device does not meet; empty if the device has all features of
+/// Arithmetic::kInt64.
 [[nodiscard]] std::vector<UnmetNeed> MissingOptions(const DeviceReport& report);
 
-/// The features that the engine asks for.
+/// The features that the engine requests for this arithmetic.
 [[nodiscard]] DeviceFeatures NeededFeatures(Arithmetic arithmetic);
 
 /// Formats unmet needs: "shaderFloat64: found no, accepted yes; …"; empty if there are none.

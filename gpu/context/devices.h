@@ -9,13 +9,15 @@
 
 namespace osteon::gpu {
 
-/// How the passes compute where 32 bits do not suffice. A device takes the first one whose features it has.
+/// Number formats in which the passes compute values that need more than 32 bits. A device uses the first
+/// one, in this order, whose features it has.
 enum class Arithmetic : std::uint8_t {
-  kAuto,   ///< as the device's features allow
+  kAuto,   ///< the first of the following that the device's features allow
   kInt64,  ///< doubles, and 64-bit integers with atomic operations
-  kWords,  ///< doubles; 64-bit integers as two words of 32 bits: the same results, with three more passes
-  kFloatsInt64,  ///< doubles as two floats: nearly the same results; 64-bit integers
-  kFloats,       ///< doubles as two floats, 64-bit integers as two words
+  kWords,  ///< doubles; 64-bit integers as two words of 32 bits: the same results as kInt64, with three more
+           ///< passes
+  kFloatsInt64,  ///< doubles as two floats (nearly the same results as kInt64); 64-bit integers
+  kFloats,       ///< doubles as two floats; 64-bit integers as two words of 32 bits
 };
 /// HasDoubles: whether an arithmetic needs shaderFloat64. HasInt64: whether it needs shaderInt64 and
 /// shaderBufferInt64Atomics.
@@ -40,11 +42,11 @@ struct DeviceInfo {
   std::string kind;                ///< "discrete", "integrated", "virtual", "cpu" or "other"
   std::string api_version;         ///< e.g. "1.3.239"
   std::string driver;              ///< e.g. "llvmpipe Mesa 22.3.6"
-  double memory_bytes{0.0};        ///< of its largest device-local heap
+  double memory_bytes{0.0};        ///< size of its largest device-local heap
   std::string refusal;             ///< why the cutting engine cannot use it, in one line; empty if it can
-  std::vector<UnmetNeed> unmet{};  ///< the needs behind `refusal`, one by one
-  Arithmetic arithmetic{Arithmetic::kInt64};  ///< the first one that the device's features allow
-  std::vector<UnmetNeed> missing{};           ///< needs of kInt64 that it lacks; empty if it has kInt64
+  std::vector<UnmetNeed> unmet{};  ///< the unmet needs that `refusal` lists
+  Arithmetic arithmetic{Arithmetic::kInt64};  ///< the first arithmetic that the device's features allow
+  std::vector<UnmetNeed> missing{};  ///< features of kInt64 that the device lacks; empty if it has all
 };
 
 /// Describes an arithmetic: "doubles and 64-bit integers", "doubles, and two words for each 64-bit integer" …

@@ -16,12 +16,12 @@ namespace osteon::gpu {
 namespace {
 
 constexpr const char* kTasks = "/proc/self/task";  // has a folder for each thread of this process
-// PinWorkers looks for the threads' names at most this often, with this pause between.
+// PinWorkers reads the threads' names at most kMaxLooks times, with the pause kLookPause in between.
 constexpr int kMaxLooks = 15;
 constexpr std::chrono::milliseconds kLookPause{2};
 constexpr const char* kRasterizer = "llvmpipe-";  // prefix of a rasterizer thread's name, before its number
 
-// This process's thread ids, sorted; none where the system does not list them.
+// Sorted ids of this process's threads; empty if the system does not list them.
 std::vector<int> Threads() {
   std::vector<int> ids;
   std::error_code error;
@@ -46,9 +46,10 @@ std::string NameOf(int id) {
 
 DriverThreads::DriverThreads() : before_(Threads()) {}
 
-// Finds, among the threads begun since construction, rasterizers by their name and workers by their order.
+// Finds rasterizer threads (by name) and worker threads (by order) among the threads begun since
+// construction.
 DriverThreads::Begun DriverThreads::FindWorkers() const {
-  // a thread without a name of its own has the name of its creator
+  // a thread without a name of its own inherits the name of the thread that created it
   const std::string own_name = NameOf(static_cast<int>(gettid()));
   std::vector<int> ids;
   const std::vector<int> now = Threads();
@@ -65,7 +66,8 @@ DriverThreads::Begun DriverThreads::FindWorkers() const {
 }
 
 int DriverThreads::PinWorkers() const {
-  // a rasterizer names itself once it runs: on a busy machine some time after the device is open
+  // A rasterizer thread sets its name when it first runs. On a busy machine this can be some time after the
+  // device is open.
   Begun begun = FindWorkers();
   for (int look = 0; look < kMaxLooks && begun.unnamed != begun.rasterizers; ++look) {
     std::this_thread::sleep_for(kLookPause);

@@ -10,11 +10,12 @@
 namespace osteon::gpu {
 namespace {
 
-// A product a b whose rounding error the device computes; the same layout as in shaders/fused_fma.comp.
+// A product a b, and the rounding error that the device finds for it. The layout is that of
+// shaders/fused_fma.comp.
 struct FmaTrial {
   float a, b, found;
 };
-constexpr std::uint32_t kTrials = 1024, kGroup = 64;  // number of trials; of those in a workgroup
+constexpr std::uint32_t kTrials = 1024, kGroup = 64;  // number of trials in all and in a workgroup
 
 // Runs the shader on all trials, and waits until their `found` is in the buffer.
 void Compute(const Context& context, const Buffer& trials) {
@@ -64,7 +65,7 @@ bool HasFusedFma(const Context& context) {
   };
   for (FmaTrial& trial : trials) trial = {factor(), factor(), NAN};
   Compute(context, buffer);
-  // an fma() that rounds only once gives exactly the product's rounding error
+  // if fma() rounds only once, the device finds exactly the product's rounding error
   for (const FmaTrial& trial : trials)
     if (trial.found != std::fma(trial.a, trial.b, -(trial.a * trial.b))) return false;
   return true;

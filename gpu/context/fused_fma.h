@@ -4,9 +4,9 @@
 
 namespace osteon::gpu {
 
-/// Finds out, by a computation on the device, whether its fma() rounds only once. If so, fma() gives the
-/// rounding error of a product, which takes 17 operations otherwise (shaders/double_single.glsl). Vulkan does
-/// not require this, and no feature reports it. Needs the device and its queue.
+/// Tests by a computation on the device whether its fma() rounds only once. Such an fma() gives the rounding
+/// error of a product in one operation instead of 17 (shaders/double_single.glsl). Vulkan does not require an
+/// fma() that rounds only once, and no feature reports it. The context's device and queue must be open.
 /// @throws vk::SystemError if the device fails.
 [[nodiscard]] bool HasFusedFma(const Context& context);
 

@@ -10,9 +10,10 @@
 
 namespace osteon::gpu {
 
-/// Boxes around clusters of 64 balls or points of a list along a space-filling curve, and boxes around eight
-/// boxes of the level below, up to one root. Built once: bone only shrinks inside itself, so every box stays
-/// valid.
+/// A tree of bounding boxes. Level 0 has a box around each cluster of 64 consecutive balls or points of a
+/// list, which is sorted along a space-filling curve. Each box of a higher level encloses eight boxes of the
+/// level below, up to one root. The tree is built once: balls only shrink within their former volume, so
+/// every box stays valid.
 ///
 ///     level 2        [                 0                 ]
 ///     level 1        [ 0 ][ 1 ] …            8 children each
@@ -26,7 +27,7 @@ class ClusterTree {
   [[nodiscard]] std::size_t cluster_count() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
   /// Calls visit(cluster) in ascending order for every cluster whose box a ball of `radius_mm` may meet on
-  /// its path from a to b. Conservative: boxes that are near the path but not met may be included.
+  /// its path from a to b. Conservative: clusters whose boxes are near the path but not met may be included.
   template <class Visit>
   void VisitOverlapping(const Eigen::Vector3f& a, const Eigen::Vector3f& b, float radius_mm,
                         Visit visit) const {
@@ -42,7 +43,7 @@ class ClusterTree {
           middle_(0.5f * (a + b)),
           radius_mm_(radius_mm + kRounding_mm),
           half_mm_(0.5f * (b - a).norm()) {}
-    /// True where the ball may meet the box on its path; conservative.
+    /// True if the ball may meet the box on its path; conservative.
     [[nodiscard]] bool Overlaps(const Eigen::AlignedBox3f& other) const {
       const float reach = radius_mm_ + half_mm_;
       return other.squaredExteriorDistance(box_) <= radius_mm_ * radius_mm_ &&
@@ -53,9 +54,9 @@ class ClusterTree {
     static constexpr float kRounding_mm = 1e-3f;  // floats of 100 mm round to 8e-6 mm
     Eigen::AlignedBox3f box_;                     // box around the path of the ball's centre
     Eigen::Vector3f middle_;                      // middle of the path
-    float radius_mm_, half_mm_;  // the ball's radius with kRounding_mm; half the path's length
+    float radius_mm_, half_mm_;  // the ball's radius plus kRounding_mm; half the path's length
   };
-  /// True where the sweep may meet the box of one cluster.
+  /// True if the sweep may meet the box of one cluster.
   [[nodiscard]] bool Overlaps(const Sweep& sweep, uint cluster) const {
     return sweep.Overlaps(levels_.front()[cluster]);
   }

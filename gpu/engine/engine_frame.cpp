@@ -7,18 +7,19 @@
 
 namespace osteon::gpu {
 
-// Largest number of a cluster's tool balls for which one workgroup suffices. It visits each tool ball four
-// times for each of its own balls; with more, llvmpipe would end its loops early.
+// Number of a cluster's tool balls up to which one workgroup handles the cluster. The workgroup visits each
+// tool ball four times for each bone ball; with more tool balls, llvmpipe would end its loops early.
 constexpr uint kMaxRefsOfAWorkgroup = 1'800;
 
-// Stores the tool's balls at the proxy and at the tool's pose, for the device and for later steps.
+// Computes the tool balls' positions at the proxy and at the tool's pose; stores them for the host and writes
+// them to the device.
 void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   X_GT = pose;
   const std::size_t count = tool.balls.size();
   start_m.resize(count);
   goal_m.resize(count);
-  // Each value is written once and never read back: a device's memory is slow to read, and may return an
-  // older value.
+  // `placed` is filled on the host and then copied to the device's memory in one write. The host does not
+  // read that memory: reading is slow and may return an older value.
   placed.resize(4 * count);
   for (std::size_t t = 0; t < count; ++t) {
     start_m[t] = memory.X_GP * tool.balls[t].center_T_m;
@@ -32,7 +33,8 @@ void VulkanEngine::Impl::PlaceToolBalls(const Pose& pose) {
   std::memcpy(program->host<vec4>(kBindTool), placed.data(), placed.size() * sizeof(vec4));
 }
 
-// Fills in a frame's inputs: tool, memory of contacts, and reaches. X_GT becomes the tool's new pose.
+// Returns a frame with its inputs: the tool's poses, the contact memory, and the reaches of the lists. Sets
+// X_GT to the tool's new pose.
 Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   PlaceToolBalls(X_WG.inverse() * Pose(input.X_WT));
   Frame frame = frame_constants;
@@ -61,7 +63,8 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
       kMillimetres * (kPlaceRounding * (extent_m + way_m) + kWayRounding * way_m * way_m / min_radius_m));
   frame.path_mm = static_cast<float>(way_m * kMillimetres);
   if (lists.made && !brute_force) MeasureDisplacement(frame);
-  // slide and advance together are at most max_slide; the immediate law moves the tool along its whole path
+  // Largest motion after first contact: slide and advance together are at most max_slide; the immediate law
+  // moves the tool along its whole path in addition.
   const double step_m = params.max_slide_m + (params.law == simulation::RemovalLaw::kImmediate ? way_m : 0.0);
   frame.ball_reach_mm = static_cast<float>(kMillimetres * std::max(params.normal_enlargement_m, step_m));
   frame.point_reach_mm = static_cast<float>(kMillimetres * std::max(params.engaged_layer_m, step_m));
@@ -83,10 +86,10 @@ Frame VulkanEngine::Impl::PrepareFrame(const simulation::FrameInput& input) {
   return frame;
 }
 
-// Number of list entries for one invocation, each with at most `range` tool balls: one on a GPU. A processor
-// computes shared values once for each workgroup, so it gets few, long workgroups, but some for each core.
-// llvmpipe ends all loops of an invocation after 65 535 iterations together; no pass needs more than thirty
-// iterations per pair.
+// Returns the number of list entries that one invocation handles; each entry has at most `range` tool balls.
+// On a GPU: one. A processor computes shared values once for each workgroup, so it gets few, long workgroups,
+// but several for each core. The number is bounded because llvmpipe ends the loops of an invocation after 65
+// 535 iterations in total; no pass needs more than thirty iterations per pair.
 uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   constexpr std::size_t kMaxPairs = 2'000, kMaxEntries = 4096, kWorkgroups = 4;
   const std::size_t lanes = program->lanes();
@@ -97,21 +100,23 @@ uint VulkanEngine::Impl::Chunk(std::size_t entries, std::size_t range) const {
   return static_cast<uint>(std::clamp(share, std::min<std::size_t>(16, max_entries), max_entries));
 }
 
-// Workgroups for a list of `entries`, of which each invocation takes `chunk`, in each of `rows` rows.
+// Returns the numbers of workgroups for a list of `entries` of which each invocation handles `chunk`, in
+// `rows` rows.
 DispatchArgs VulkanEngine::Impl::MakeDispatch(std::size_t entries, uint chunk, uint rows) const {
   const std::size_t share = std::size_t{program->lanes()} * chunk;
-  // on a GPU the last workgroup continues the frame, so there must be at least one
+  // on a GPU the pass's last workgroup also does the next step of the frame, so there must be at least one
   const std::size_t min_groups = program->for_gpu() ? 1 : 0;
   return {.x = program->WithinLimit(std::max(min_groups, (entries + share - 1) / share)), .y = rows, .z = 1};
 }
 
-// Prepares writing back the lists' balls, with the frame's chunk.
+// Prepares writing the balls of the present lists back to the list of all balls; the frame's chunk must be
+// set.
 void VulkanEngine::Impl::SetFlush(Frame& frame) const {
   frame.flush_count = lists.made ? lists.balls : 0;
   frame.flush_work = MakeDispatch(frame.flush_count, frame.chunk, 1);
 }
 
-// Writes the lists' balls back to the buffers that Snapshot reads.
+// Writes the balls of the present lists back to the buffers that Snapshot reads.
 bool VulkanEngine::Impl::Flush() const {
   Frame frame = frame_constants;
   frame.chunk = Chunk(lists.balls, 1);
@@ -149,7 +154,8 @@ void VulkanEngine::Impl::EndSplits(const Frame& done, const simulation::FrameSol
   pool->EndFrame(events, capsules);
 }
 
-// Measures the displacement of the tool's balls since the lists were built.
+// Measures the displacement of the tool's balls since the lists were built and since their packed pairs were
+// measured.
 void VulkanEngine::Impl::MeasureDisplacement(Frame& frame) const {
   frame.cutting_displacement_start_mm = MaxDisplacement_mm(lists.built_m, start_m, true);
   frame.cutting_displacement_goal_mm = MaxDisplacement_mm(lists.built_m, goal_m, true);
@@ -161,7 +167,7 @@ void VulkanEngine::Impl::MeasureDisplacement(Frame& frame) const {
   frame.shaft_measured_goal_mm = MaxDisplacement_mm(lists.measured_m, goal_m, false);
 }
 
-// Largest distance from its former position [mm] of any tool ball that cuts, or of any that does not.
+// Largest distance [mm] between is_m and was_m of the cutting balls (`cuts`), or of the others.
 float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
                                              const std::vector<Vector3>& is_m, bool cuts) const {
   double max_m2 = 0.0;
@@ -171,16 +177,16 @@ float VulkanEngine::Impl::MaxDisplacement_mm(const std::vector<Vector3>& was_m,
   return static_cast<float>(kMillimetres * std::sqrt(max_m2));
 }
 
-// Finds the clusters that the tool can meet, within its reach, on its path or at its pose.
+// Finds the clusters that come within the tool's reach, on its path (kListsAtContact) or at the proxy.
 void VulkanEngine::Impl::FindWork(Frame& frame, FrameMode mode) {
   const bool whole_way = mode == FrameMode::kListsAtContact;
-  // the motion of a ball that is larger by the reach
+  // the sweep of a ball whose radius is enlarged by the reach
   const auto sweep = [&](const Vector3& start, const Vector3& goal, double radius_m, float reach_mm) {
     const vec4 a = ToMillimetres(start, radius_m * kMillimetres), b = ToMillimetres(goal, 0.0);
     const Eigen::Vector3f from(a.x, a.y, a.z), to(b.x, b.y, b.z);
     return BallSweep{.a = from, .b = whole_way ? to : from, .radius_mm = a.w + reach_mm};
   };
-  // fills `items` with the clusters of a tree that tool balls can meet
+  // fills `items` with the clusters of a tree that come within reach of tool balls
   const auto find = [&](const ClusterTree& tree, float reach_mm, bool cutting_only,
                         std::vector<ClusterPairs>& items) {
     const auto sweep_of = [&](const Vector3& start, const Vector3& goal, double radius_m, bool cuts) {
@@ -199,7 +205,7 @@ void VulkanEngine::Impl::FindWork(Frame& frame, FrameMode mode) {
   };
   work->Clear();
   find(ball_tree, frame.ball_reach_mm, false, ball_cluster_pairs);
-  // a block of children takes the place of its parent ball
+  // a block of children is listed wherever its parent's cluster is
   for (std::size_t i = 0, clusters = pool ? ball_cluster_pairs.size() : 0; i < clusters; ++i) {
     const ClusterPairs parents = ball_cluster_pairs[i];
     for (const uint block : pool->BlocksIn(parents.cluster))
@@ -213,7 +219,7 @@ void VulkanEngine::Impl::FindWork(Frame& frame, FrameMode mode) {
   std::copy(ball_cluster_pairs.begin(), ball_cluster_pairs.end(), items);
   std::copy(point_cluster_pairs.begin(), point_cluster_pairs.end(), items + ball_clusters);
   std::copy(work->refs().begin(), work->refs().end(), program->host<uint>(kBindToolRefs));
-  // largest number of tool balls of one entry, and of one cluster
+  // largest number of tool balls of any cluster; a list entry has no more
   uint longest = 1;
   for (const auto* list : {&ball_cluster_pairs, &point_cluster_pairs})
     for (const ClusterPairs& item : *list) longest = std::max(longest, item.count);
@@ -252,7 +258,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
     FindWork(frame, mode);
     SetUploads(frame);
     SetFlush(frame);
-    // at least one workgroup where the last one continues
+    // at least one workgroup on a GPU, where the last one also does the next step of the frame
     const uint min_groups = program->for_gpu() ? 1 : 0;
     frame.pair_work = {.x = min_groups, .y = 2, .z = 1};
     frame.all_work = {.x = min_groups, .y = 3, .z = 1};
@@ -270,7 +276,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   stats = {.active_balls = done.live_ball_count};
   if (keeps_lists) return true;
   if (pool) pool->Uploaded();
-  // the frame has built new lists
+  // here the frame has built new lists
   lists.made = done.list_overflow == 0;
   lists.ball_reach_mm = done.ball_reach_mm;
   lists.point_reach_mm = done.point_reach_mm;
@@ -280,7 +286,7 @@ bool VulkanEngine::Impl::RunFrame(const Frame& prepared, FrameMode mode) {
   lists.shaft = done.shaft_count;
   lists.packed_pairs = done.packed_pair_count;
   if (mode == FrameMode::kListsAtProxy) return true;
-  // lists at the contact are built at the share s of the tool's path
+  // kListsAtContact builds the lists at fraction s of the tool's path
   const double s = std::min(1.0, std::bit_cast<double>(done.contact_key));
   for (std::size_t t = 0; t < start_m.size(); ++t)
     lists.built_m[t] = lists.measured_m[t] = start_m[t] + s * (goal_m[t] - start_m[t]);

@@ -26,52 +26,53 @@ static_assert(kMaxMaterials == simulation::kMaxMaterials && kBins == simulation:
               kFaces == simulation::kMaxFaces && kCandidates == kBins + kRemembered);
 
 inline constexpr double kMillimetres = 1e3;
-inline constexpr double kMaxSummand = 4'194'304.0;  // 2^22 units: half of the range of a sum over a subgroup
+// 2^22 units, half of the range that a sum over a subgroup allows for one summand
+inline constexpr double kMaxSummand = 4'194'304.0;
 // Largest weight of a contact in a face's sums: that of the largest lens, in the middle of the face's cone.
 inline constexpr double kMaxFaceWeight_mm3 =
     simulation::kMaxLensVolume * 1e9 * (1.0 - simulation::kFaceCosine) * (1.0 - simulation::kFaceCosine);
-// Time in which a lost device may finish the work that it was given.
+// Time that the destructor gives a lost device to finish its work.
 inline constexpr std::uint64_t kLostTimeout_ns = 20'000'000'000;
 // Timeout of the warm-up: software drivers compile a pass at its first run.
 inline constexpr std::uint64_t kWarmUpTimeout_ns = 120'000'000'000;
-// Timeout of brute force, which tests every pair in every pass: for measurements only.
+// Timeout of a brute-force frame, which tests every pair in every pass; brute force is for measurements only.
 inline constexpr std::uint64_t kBruteTimeout_ns = 900'000'000'000;
-// Bounds on the rounding of a distance in floats: kPlaceRounding times the coordinates (eight units in the
-// last place), and kWayRounding times the square of the path's length over the smallest radius, which counts
-// on paths that are long compared with the balls.
+// Factors in the bound on the rounding error of a distance in floats. kPlaceRounding (eight units in the last
+// place) multiplies the coordinates. kWayRounding multiplies the square of the path's length divided by the
+// smallest radius; this term matters on paths that are long compared with the balls.
 inline constexpr double kPlaceRounding = 0x1p-21, kWayRounding = 4e-7;
-// kCuttingSkin_m, kShaftSkin_m: displacement of the tool from which on the lists of balls and points are
-// rebuilt. Balls that do not cut are mostly far from bone, so their wide margin costs nothing.
-// kRemeasureDisplacement_mm: beyond this displacement a software driver measures the lists' packed pairs
-// anew; on a GPU that saves no time.
+// kCuttingSkin_m, kShaftSkin_m: displacement of the tool's cutting balls, or of its other balls, beyond which
+// the lists of balls and points are rebuilt. Balls that do not cut are mostly far from bone, so their larger
+// displacement costs little. kRemeasureDisplacement_mm: displacement beyond which the gaps of the lists'
+// packed pairs are measured again on a software driver; on a GPU this saves no time.
 inline constexpr float kRemeasureDisplacement_mm = 0.03f;
 inline constexpr double kCuttingSkin_m = 0.15e-3, kShaftSkin_m = 0.6e-3;
-// Capacities: kPackedPairs, tool balls in all list entries together; kToolRefs, tool balls of all clusters
-// together.
+// Capacities: kPackedPairs, number of packed pairs of all list entries together; kToolRefs, number of tool
+// refs of all clusters together.
 inline constexpr std::size_t kPackedPairs = 4'000'000, kToolRefs = 1'000'000;
 
 inline std::size_t ClusterCount(std::size_t count) { return (count + kGroupSize - 1) / kGroupSize; }
 
-// Metres to floats in millimetres, with a fourth value that is kept as it is.
+// Converts a vector in metres to floats in millimetres; the fourth component w is not scaled.
 inline vec4 ToMillimetres(const Vector3& v, double w) {
   return {static_cast<float>(v.x() * kMillimetres), static_cast<float>(v.y() * kMillimetres),
           static_cast<float>(v.z() * kMillimetres), static_cast<float>(w)};
 }
-// Floats of a vector without a unit or with its own, such as a direction.
+// Converts a vector that is not a length, such as a direction, to floats without scaling.
 inline vec4 Unscaled(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0.0f};
 }
 inline Vector3 Direction(const vec4& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const vec4& v) { return Direction(v) / kMillimetres; }
 
-// Metres to doubles in millimetres.
+// Converts a vector in metres to doubles in millimetres.
 inline dvec3 Exactly(const Vector3& v) {
   return {v.x() * kMillimetres, v.y() * kMillimetres, v.z() * kMillimetres};
 }
 inline Vector3 Direction(const dvec3& v) { return {v.x, v.y, v.z}; }
 inline Vector3 ToMetres(const dvec3& v) { return Direction(v) / kMillimetres; }
-// Remainder [mm] of v_m and w_m beyond their rounded floats. Volatile, since GCC 12.2 optimises the rounding
-// away in some builds where it sees both this and ToMillimetres.
+// Returns the differences [mm] between v_m, w_m and their values `rounded` to floats. Volatile because
+// GCC 12.2 optimises the rounding away in some builds if it sees both this function and ToMillimetres.
 inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) {
   const volatile float x = rounded.x, y = rounded.y, z = rounded.z, w = rounded.w;
   const dvec3 v = Exactly(v_m);
@@ -80,13 +81,13 @@ inline vec4 FloatRemainder(const Vector3& v_m, double w_m, const vec4& rounded) 
           static_cast<float>(w_m * kMillimetres - static_cast<double>(w))};
 }
 
-// Value of a sum that a frame accumulated in integer units: high × 2^16 + low, over its scale.
+// Returns the value of a sum that a frame accumulated in integer units: (high × 2^16 + low) / scale.
 inline double Total(const Sum& sum, double scale) {
   return (sum.high * 65536.0 + static_cast<double>(sum.low)) / scale;
 }
 
-// WriteBalls, ReadBalls: copy the list of balls. It is in two buffers, since the size of a binding is
-// limited.
+// WriteBalls, ReadBalls: copy the list of balls. The list is split over two buffers because the size of a
+// binding is limited.
 inline void WriteBalls(const FrameProgram& program, const void* data, std::size_t count) {
   const std::size_t first = std::min<std::size_t>(count, kBallsPerBuffer);
   program.Write(kBindBalls, data, first * sizeof(vec4));
@@ -106,7 +107,7 @@ inline vec4 PointFloats(const simulation::MassPoint& point) {
 struct VulkanEngine::Impl {
   std::unique_ptr<FrameProgram> program;
   ToolLayout tool;
-  std::vector<uint> device_tool;  // indices on the device, by the tool's own numbers
+  std::vector<uint> device_tool;  // a tool ball's index on the device, by its index in the tool's own list
   double lever_m{0.0};
   std::vector<simulation::Material> materials;
   simulation::MaterialMap map{simulation::Bone{}};
@@ -116,7 +117,7 @@ struct VulkanEngine::Impl {
   std::size_t ball_count{0}, point_count{0};
   std::optional<SplitPool> pool;  // only where balls are split
   std::size_t ball_clusters{0};   // number of clusters of balls, including those of the pool
-  double unit_mm3{1.0};           // volume of one integer unit, in which the points' volumes are counted
+  double unit_mm3{1.0};           // volume of one integer unit; the points' volumes are summed in these units
   // largest coordinate of a tool ball that can touch; smallest tool ball's radius
   double extent_m{0.0}, min_radius_m{1.0};
   bool lost{false}, brute_force{false};
@@ -137,13 +138,15 @@ struct VulkanEngine::Impl {
     float ball_reach_mm{0.0f}, point_reach_mm{0.0f};
     uint balls{0}, points{0}, shaft{0}, packed_pairs{0}, longest_pair_range{1};
     std::vector<Vector3> built_m;     // positions of the tool's balls when the lists were built
-    std::vector<Vector3> measured_m;  // and when their packed pairs were measured
+    std::vector<Vector3> measured_m;  // positions when the lists' packed pairs were last measured
   } lists;
-  bool had_no_contact{true};                  // the last frame had no contact
-  Pose X_GT;                                  // pose of the tool in this frame
-  std::vector<Vector3> start_m, goal_m;       // positions of the tool's balls in this frame
-  std::vector<vec4> placed;                   // these positions for the device: floats, then their remainders
-  std::vector<simulation::Capsule> capsules;  // swept by the cutting balls; only where balls are split
+  bool had_no_contact{true};  // the last frame had no contact
+  Pose X_GT;                  // pose of the tool in this frame
+  // positions of the tool's balls in this frame, at the proxy and at the tool's pose
+  std::vector<Vector3> start_m, goal_m;
+  std::vector<vec4> placed;  // both positions for the device: as floats, then their rounding remainders
+  // volumes swept by the cutting balls; filled only if balls are split
+  std::vector<simulation::Capsule> capsules;
 
   std::string Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                    const VulkanParams& vulkan);
@@ -159,7 +162,7 @@ struct VulkanEngine::Impl {
   void EndSplits(const Frame& done, const simulation::FrameSolution& solution);
   // length of the device's list of balls
   [[nodiscard]] std::size_t AllBalls() const { return pool ? pool->ball_count() : ball_count; }
-  // only the tool ball that touches first cuts
+  // whether only the tool ball that touches first cuts
   [[nodiscard]] bool CutsAlone() const { return params.cutters == simulation::Cutters::kContactSphere; }
   void MeasureDisplacement(Frame& frame) const;
   [[nodiscard]] float MaxDisplacement_mm(const std::vector<Vector3>& was_m, const std::vector<Vector3>& is_m,
@@ -167,7 +170,8 @@ struct VulkanEngine::Impl {
   [[nodiscard]] uint Chunk(std::size_t entries, std::size_t range) const;
   [[nodiscard]] DispatchArgs MakeDispatch(std::size_t entries, uint chunk, uint rows) const;
   void SetFlush(Frame& frame) const;
-  // Packed pairs of all tool balls of a kind: cutting balls, then the others. Ranges begin at multiples of 4.
+  // The buffer of packed pairs begins with one pair for each tool ball: cutting balls, then the others. Each
+  // of the two ranges begins at a multiple of 4. Returns where the second range begins.
   [[nodiscard]] std::ptrdiff_t FirstShaftPackedPair() const {
     return static_cast<std::ptrdiff_t>((tool.cutter_count + 3) / 4 * 4);
   }
@@ -175,10 +179,11 @@ struct VulkanEngine::Impl {
     return (static_cast<std::size_t>(FirstShaftPackedPair()) + tool.balls.size() - tool.cutter_count + 3) /
            4 * 4;
   }
-  [[nodiscard]] bool Flush() const;  // false where the device is lost
+  [[nodiscard]] bool Flush() const;  // false if the device is lost
   void ReadState(simulation::CarvedState& state) const;
   void WriteState(const simulation::CarvedState& state);
-  // Device index of a tool ball of the tool's own list; tool_count where there is no such ball.
+  // Returns the device index of a tool ball, given its index in the tool's own list; tool_count if there is
+  // no such ball.
   [[nodiscard]] uint DeviceTool(uint number) const {
     return number < device_tool.size() ? device_tool[number] : frame_constants.tool_count;
   }

@@ -6,8 +6,8 @@
 
 namespace osteon::gpu {
 
-// Opens the device and makes the buffers for this bone and tool; returns an error text where they are too
-// large.
+// Opens the device and makes the buffers for this bone and tool; returns an error text if bone or tool are
+// too large for it, otherwise an empty text.
 std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const simulation::Bone& bone,
                                      const VulkanParams& vulkan) {
   ball_count = bone.balls.size();
@@ -34,9 +34,10 @@ std::string VulkanEngine::Impl::Open(std::unique_ptr<Context> context, const sim
   if (std::string refusal = FrameProgram::Refusal(*context, sizes, vulkan.overrides); !refusal.empty())
     return refusal;
   program = std::make_unique<FrameProgram>(std::move(context), sizes, vulkan);
-  // the driver has just compiled the passes: only a device that opens later gets the faster code of its cache
+  // If the driver has just compiled the passes, open the device again: only a newly opened device gets the
+  // faster code from the driver's cache.
   if (program->compiled()) {
-    program.reset();  // together with its device
+    program.reset();  // also closes its device
     auto again = OpenContext(vulkan.device, vulkan.validation, vulkan.overrides.arithmetic);
     if (!again) return again.error();
     program = std::make_unique<FrameProgram>(std::move(*again), sizes, vulkan);
@@ -73,7 +74,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   data.resize(AllBalls(), vec4{0, 0, 0, 0});
   WriteBalls(*program, data.data(), data.size());
 
-  // integer units of volume, as fine as 32 bits allow
+  // the integer unit of volume is as small as 32 bits allow
   double largest_mm3 = 1e-3;
   for (const simulation::MassPoint& point : bone.points)
     largest_mm3 = std::max(largest_mm3, point.volume_m3 * 1e9);
@@ -93,7 +94,7 @@ void VulkanEngine::Impl::Upload(const simulation::Bone& bone) {
   for (vec4& point : data) point.w = 0.0f;  // a point has no radius
   point_tree = ClusterTree(data);
 
-  // the packed pairs of all tool balls of each kind, for brute force
+  // packed pairs of all tool balls (cutting balls, then the others), for brute force
   std::vector<uint> whole(AllPackedPairs());
   const auto middle = static_cast<std::ptrdiff_t>(tool.cutter_count);
   std::iota(whole.begin(), whole.begin() + middle, 0u);
@@ -120,8 +121,8 @@ void VulkanEngine::Impl::FillFrameConstants(const simulation::Bone& bone) {
   frame_constants.layer_mm = static_cast<float>(params.engaged_layer_m * kMillimetres);
   frame_constants.cutting_skin_mm = static_cast<float>(kMillimetres * kCuttingSkin_m);
   frame_constants.shaft_skin_mm = static_cast<float>(kMillimetres * kShaftSkin_m);
-  // the largest summands: a touching point at the tool's farthest reach, a whole mass point in the engaged
-  // layer
+  // Largest possible summands, for the scales of the sums: a contact at the tool's farthest point, and a
+  // whole mass point in the engaged layer.
   double reach_mm = 1.0, largest_mm3 = 1e-3;
   for (const ToolLayout::Item& ball : tool.balls)
     reach_mm = std::max(reach_mm, kMillimetres * (ball.center_T_m.norm() + ball.radius_m));
@@ -183,8 +184,8 @@ void VulkanEngine::Impl::ListEverything() {
   lists.shaft = static_cast<uint>(pairs.size());
 }
 
-// Runs every pass once, with a still spindle at the first ball: nothing changes, and no later frame waits for
-// a compiler.
+// Runs every pass once with the tool at the first ball and the spindle stopped, so that nothing is cut. Later
+// frames then do not wait for the driver to compile a pass.
 bool VulkanEngine::Impl::WarmUp(const simulation::Bone& bone) {
   simulation::FrameInput input;
   Pose at_ball = Pose::Identity();

@@ -4,11 +4,12 @@
 
 namespace osteon::gpu {
 
-// Fills `candidates` and `near.faces` as simulation::FindCandidates does, from the pairs and the sums of the
-// faces that the device found at first contact, after fraction s of the tool's path.
+// Fills `candidates` and `near.faces` from the pairs and the sums of the faces that the device found at first
+// contact, which is at fraction s of the tool's path. The result has the form of that of
+// simulation::FindCandidates.
 void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
   candidates.count = done.candidate_count;
-  candidates.held_count = 0;  // the device has solved the hold already
+  candidates.held_count = 0;  // unused: the device has already solved which candidates hold the tool
   for (std::size_t c = 0; c < candidates.count; ++c) {
     const Candidate& found = done.candidates[c];
     const std::size_t t = found.tool_ball;
@@ -24,7 +25,8 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     pair.tool_radius_m = tool.balls[t].radius_m;
   }
   for (std::size_t f = 0; f < kFaces; ++f) {
-    // Row 0 sums over the balls that cut, row 1 over the others. Column 0: weight; 1 to 3: weight × normal.
+    // Row 0: sums over the balls that cut; row 1: over the others. Column 0: weight; columns 1 to 3: weight ×
+    // normal.
     const auto weight = [&](std::size_t row, std::size_t column) {
       return static_cast<double>(done.exact.face_sums[(row * kFaces + f) * 4 + column]) /
              (kUnitSubdivision * done.face_scale);
@@ -43,7 +45,7 @@ void VulkanEngine::Impl::ReadNearField(const Frame& done, double s) {
     face.n = Vector3(weight(0, 1) + weight(1, 1), weight(0, 2) + weight(1, 2), weight(0, 3) + weight(1, 3));
     face.center_T = weighted_center(0) + weighted_center(1);
     face.radius = weighted_place(0, 3) + weighted_place(1, 3);
-    if (tool.cutter_count == 1) {  // the device leaves the place of a single cutting ball out of its sums
+    if (tool.cutter_count == 1) {  // the device's sums omit the position and radius of a single cutting ball
       face.center_T += cutters * tool.balls[0].center_T_m;
       face.radius += cutters * tool.balls[0].radius_m;
     }

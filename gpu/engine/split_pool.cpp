@@ -13,7 +13,7 @@ namespace {
 using simulation::BallSplitter;
 using simulation::BallState;
 
-// From the device's ball [mm] to a state [m], and back.
+// ToState converts the device's ball [mm] to a state [m]; ToBall converts back.
 BallState ToState(const vec4& ball) {
   return {.center_m = 1e-3 * Vector3(ball.x, ball.y, ball.z), .radius_m = 1e-3 * ball.w};
 }
@@ -72,8 +72,8 @@ void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const sim
   std::size_t splits_left =
       params().blocks_per_frame > 0 ? params().blocks_per_frame : std::numeric_limits<std::size_t>::max();
 
-  // Serve waiting balls and new requests in the order of their parents. A ball that waits may request again:
-  // then the request only brings its present state.
+  // Serve waiting balls and new requests in ascending order of the parent balls' indices. A ball that already
+  // waits may request again; the request then only updates the ball's present state.
   std::vector<Waiting> waited;
   waited.swap(waiting_);
   auto next = waited.begin();
@@ -106,7 +106,7 @@ void SplitPool::EndFrame(std::span<const SplitEvent> events, std::span<const sim
     splitter_.MakeChildren(waiting->ball, children);
     splitter_.CutChildren(parent, capsules, children);
     const auto block = static_cast<uint>(block_[parent]);
-    std::size_t live = 0;                                         // children left
+    std::size_t live = 0;  // number of children that remain after the cuts
     uploads_.push_back({.index = parent, .ball = {0, 0, 0, 0}});  // removes the parent
     for (std::size_t k = 0; k < kGroupSize; ++k) {
       const BallState child = k < children.size() ? children[k] : BallState{};
@@ -181,7 +181,8 @@ void SplitPool::ToSaved(simulation::ContactMemory& contact) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     simulation::ContactPair pair = contact.pairs[i];
     if (pair.bone_ball >= first_) {
-      // a child: in a saved state, blocks follow each other in the order of their parents
+      // The ball is a child. A saved state stores the blocks in the order of their parents, so the block's
+      // position there is the number of used blocks with a smaller parent index.
       const uint place = pair.bone_ball - static_cast<uint>(first_), block = place / kGroupSize;
       if (!in_use_.contains(block)) continue;
       const auto rank =
@@ -198,7 +199,7 @@ void SplitPool::FromSaved(simulation::ContactMemory& contact) const {
   for (std::size_t i = 0; i < static_cast<std::size_t>(contact.pair_count); ++i) {
     std::uint32_t& ball = contact.pairs[i].bone_ball;
     if (ball < parents_) continue;
-    // Load has given block k to the k-th split parent
+    // the ball is a child: Load has assigned block k to the k-th split parent
     const std::size_t place = ball - parents_;
     ball = static_cast<uint>(first_ + place / splitter_.slots() * kGroupSize + place % splitter_.slots());
   }

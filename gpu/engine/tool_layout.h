@@ -10,8 +10,9 @@ namespace osteon::gpu {
 
 inline constexpr std::size_t kToolGroup = 16;  ///< largest number of tool balls in one bounding ball
 
-/// A tool as the device has it: cutting balls first, each kind in the tool's order; and groups of neighbours
-/// with a bounding ball each, for the host's search. Lengths in metres here.
+/// A tool's balls in the device's order: cutting balls first, then the others, each kind in the order of the
+/// tool's own list. The balls are also grouped by neighbourhood; each group has a bounding ball, for the
+/// host's search. Lengths in metres, in T.
 struct ToolLayout {
   struct Item {
     Vector3 center_T_m;

@@ -58,8 +58,9 @@ tl::expected<std::unique_ptr<VulkanEngine>, std::string> VulkanEngine::Create(
 
 VulkanEngine::VulkanEngine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 VulkanEngine::~VulkanEngine() {
-  // The last frame's readback may come before the frame's end, and a device that did not finish in time may
-  // still be working: the memory that it uses must outlive it.
+  // The device may still be working: the last frame's readback can arrive before the frame ends, and a frame
+  // may have exceeded its timeout. The memory that the device uses must stay until it is idle; if it does not
+  // become idle, the program is leaked.
   if (impl_ && impl_->program && !impl_->program->IsIdle(kLostTimeout_ns)) (void)impl_->program.release();
 }
 
@@ -76,18 +77,19 @@ simulation::ContactModel VulkanEngine::Step(const simulation::FrameInput& input)
                      impl.memory, [&impl](const simulation::FrameInput& part) { return impl.Step(part); });
 }
 
-// Runs one subframe, with lists of an earlier one or with new lists.
+// Runs one subframe, with the lists of an earlier subframe or with new lists.
 simulation::ContactModel VulkanEngine::Impl::Step(const simulation::FrameInput& input) {
   simulation::ContactModel refused;
   const Frame prepared = PrepareFrame(input);
   const bool lists_reach_far_enough =
       prepared.ball_reach_mm <= lists.ball_reach_mm && prepared.point_reach_mm <= lists.point_reach_mm;
-  // displacements of the tool since the lists were built, by kind of tool ball
+  // whether the tool's cutting balls or its other balls have moved beyond their skin since the lists were
+  // built
   const auto exceeds_skin = [&](float cutting_mm, float shaft_mm) {
     return cutting_mm > frame_constants.cutting_skin_mm || shaft_mm > frame_constants.shaft_skin_mm;
   };
-  // Lists serve while first contact is near the pose where they were built. The host guesses whether it is;
-  // the device checks the guess and sets needs_rebuild.
+  // Lists are valid while first contact is near the pose at which they were built. The host guesses whether
+  // that is so. The device checks the guess and sets needs_rebuild if it was wrong.
   FrameMode mode = FrameMode::kLists;
   const bool was_split = pool && !pool->uploads().empty();
   if (had_no_contact &&
@@ -166,7 +168,7 @@ void VulkanEngine::Restore(const simulation::CarvedState& state) {
   }
 }
 
-// Writes balls and points to the device, and takes over the frame memory.
+// Writes the state's balls and points to the device, and sets the frame memory from the state.
 void VulkanEngine::Impl::WriteState(const simulation::CarvedState& state) {
   if (pool) {
     const SplitPool::DeviceState loaded = pool->Load(state);

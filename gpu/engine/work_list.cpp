@@ -28,8 +28,9 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
     if (counts_[cluster].all == 0) clusters_.push_back(cluster);
     ++counts_[cluster].all;
   };
-  // If a group's bounding ball may meet a cluster, each of the group's balls is tested, in ascending order,
-  // so that every cluster's list ascends.
+  // First find the clusters that each group's bounding ball may meet. Then test each of the group's balls
+  // against these clusters, in ascending order of balls, so that the tool balls of every cluster are in
+  // ascending order.
   for (const BallSweep& group : groups) {
     if (group.radius_mm >= 0.0f)
       tree.VisitOverlapping(group.a, group.b, group.radius_mm, [&](uint cluster) {
@@ -41,7 +42,7 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
       });
     end_.push_back(near_.size());
   }
-  // When a buffer is too short, every cluster that a group meets is listed with all tool balls.
+  // If a buffer is too small, every cluster that a group meets is listed with all tool balls.
   if (overflow)
     for (const uint cluster : near_) count_hit(cluster);
   for (uint t = 0; t < balls.size() && !overflow; ++t) {
@@ -71,8 +72,8 @@ void WorkList::Add(const ClusterTree& tree, std::span<const BallSweep> groups,
       continue;
     }
     items.push_back({.cluster = cluster, .first = next_ref, .cutters = count.cutters, .count = count.all});
-    next_ref += std::exchange(count.all, next_ref);  // from here on: index of the cluster's next ball in the
-                                                     // tool refs
+    // from here on, count.all is the index of the cluster's next ball in the tool refs
+    next_ref += std::exchange(count.all, next_ref);
   }
   if (!overflow)
     for (const Hit& hit : hits_) refs_[counts_[hit.cluster].all++] = hit.ball;

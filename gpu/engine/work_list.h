@@ -9,18 +9,18 @@
 
 namespace osteon::gpu {
 
-/// A ball's path from a to b [mm]; a negative radius stands for no ball.
+/// A ball's path from a to b [mm]; if the radius is negative, there is no ball.
 struct BallSweep {
   Eigen::Vector3f a{Eigen::Vector3f::Zero()}, b{Eigen::Vector3f::Zero()};
   float radius_mm{-1.0f};
 };
 
-/// Clusters that the tool can meet in a frame, each with the tool balls that can meet it: the host's input
-/// for the passes that build the lists. Buffers are sized once.
+/// Clusters that the tool can meet in a frame, each with the tool balls that can meet it. It is the host's
+/// input for the passes that build the lists. Buffers do not grow after construction.
 ///
 ///     items       cluster 7: refs 1000 …    cluster 9: refs 1003     …
-///     tool refs   0 1 2 … 999 │ 0 4 917 │ 0 │ …   (all tool balls first: where room is short, they stand
-///                                                 for any)
+///     tool refs   0 1 2 … 999 │ 0 4 917 │ 0 │ …   (first all tool balls: used for every
+///                                                cluster if the buffer is too small)
 class WorkList {
  public:
   /// @param ref_capacity  size of the device's buffer of tool refs; at least the number of tool balls
@@ -28,7 +28,7 @@ class WorkList {
 
   void Clear() { refs_.resize(tool_->balls.size()); }
   /// Lists the clusters of one tree that the tool's balls meet.
-  /// @param groups  the sweep of each group's bounding ball;  @param balls  of each tool ball
+  /// @param groups  the sweep of each group's bounding ball; @param balls the sweep of each tool ball
   void Add(const ClusterTree& tree, std::span<const BallSweep> groups, std::span<const BallSweep> balls,
            std::vector<ClusterPairs>& items);
 
@@ -41,7 +41,8 @@ class WorkList {
   const ToolLayout* tool_;
   std::size_t ref_capacity_;
   std::vector<uint> refs_;
-  std::vector<uint> near_;        // clusters that each group's bounding ball meets, group after group
+  // clusters that the groups' bounding balls meet: those of group 0, then of group 1, …
+  std::vector<uint> near_;
   std::vector<std::size_t> end_;  // end of each group's clusters in near_
   std::vector<Hit> hits_;
   struct Count {

@@ -16,11 +16,11 @@ namespace {
 
 using namespace spirv;
 
-// Smallest magnitude of a constant other than 0: its reciprocal stays within a float's range.
+// Smallest magnitude of a constant other than 0. The reciprocal of this value stays within a float's range.
 constexpr double kMinConstant = 1e-30;
 
-// Goes once through a module's instructions and emits their replacements. A "pair" is a double-single: a vec2
-// that stands for a double.
+// Replaces a module's instructions in one pass over them. A "pair" is a double-single: a vec2 that represents
+// a double.
 class Lowering {
  public:
   explicit Lowering(Module module) : header_(std::move(module.header)), in_(std::move(module.instructions)) {}
@@ -35,7 +35,8 @@ class Lowering {
   }
 
  private:
-  // Finds the functions of double_single.glsl. Their names end with their parameters: "DsAdd(vf2;vf2;".
+  // Finds the functions of double_single.glsl. A function's name in the module includes its parameters:
+  // "DsAdd(vf2;vf2;".
   void FindNames() {
     for (const Instruction& instruction : in_)
       if (instruction.op == kName) {
@@ -72,7 +73,7 @@ class Lowering {
     const auto found = type_of_.find(value);
     return found == type_of_.end() ? 0 : DoublesInType(found->second);
   }
-  // Number of components of any vector or scalar.
+  // Number of components of a value of any vector or scalar type.
   [[nodiscard]] Word ComponentCount(Word type) const {
     const auto found = vectors_.find(type);
     return found == vectors_.end() ? 1 : found->second.second;
@@ -80,7 +81,8 @@ class Lowering {
   [[nodiscard]] Word LoweredType(Word type) const { return type == double_ ? pair_ : type; }
   Word NewId() { return header_[3]++; }
 
-  // EmitNew returns the id of its result; `type` is the type before the lowering.
+  // Emit appends an instruction. EmitNew also gives the instruction a new result id and returns it; `type` is
+  // the result's type before the lowering.
   void Emit(Op op, Words words) { out_.push_back({op, std::move(words)}); }
   Word EmitNew(Op op, Word type, std::initializer_list<Word> rest) {
     const Word id = NewId();
@@ -90,7 +92,7 @@ class Lowering {
     type_of_[id] = type;
     return id;
   }
-  // Emits a call of a function of double_single.glsl; the result gets this id.
+  // Emits a call of a function of double_single.glsl, with `id` as the id of its result.
   void CallInto(Word id, const char* name, const Words& arguments) {
     const auto found = functions_.find(name);
     if (found == functions_.end()) throw std::runtime_error(std::string("no function ") + name);
@@ -136,15 +138,15 @@ class Lowering {
       CallInto(id, name, component_operands);
     });
   }
-  // The float that component i was converted from, or a constant float; 0 for a component that has a
-  // remainder.
+  // Returns the id of the float that component i equals exactly (a converted or a constant float); 0 if there
+  // is none.
   Word FloatOf(Word value, Word i) {
     const auto found = float_of_.find(value);
     if (found == float_of_.end()) return 0;
     return Component(found->second, i);
   }
-  // Add, Subtract and Multiply emit component i of the result as `id`. They call DsAddFloat and
-  // DsMulFloat where one operand has no remainder.
+  // Add, Subtract and Multiply emit component i of the result as `id`. If one operand equals a float exactly,
+  // they call DsAddFloat or DsMulFloat.
   void Add(Word id, Word a, Word b, Word i) {
     if (const Word of_b = FloatOf(b, i)) return CallInto(id, "DsAddFloat", {Component(a, i), of_b});
     if (const Word of_a = FloatOf(a, i)) return CallInto(id, "DsAddFloat", {Component(b, i), of_a});
@@ -183,7 +185,7 @@ class Lowering {
     return id;
   }
 
-  // Emits the types that double-singles are made of, since all lowered types refer to them.
+  // Emits the types of double-singles first, because the lowered types refer to them.
   void EmitTypes() {
     for (const Instruction& instruction : in_)
       if ((instruction.op == kTypeFloat || instruction.op == kTypeInt || instruction.op == kTypeVector) &&
@@ -224,12 +226,13 @@ class Lowering {
     } else if (instruction.op == kTypeArray || instruction.op == kTypeRuntimeArray ||
                instruction.op == kTypeStruct || instruction.op == kTypePointer ||
                instruction.op == kTypeFunction) {
-      // a pointer has its storage class before the type
+      // in a pointer type, the storage class precedes the type
       const std::size_t first = instruction.op == kTypePointer ? 2 : 1;
       for (std::size_t i = first; i < (instruction.op == kTypeArray ? 2 : w.size()); ++i)
         lowered.words[i] = LoweredType(w[i]);
       if (instruction.op == kTypeFunction) {
-        // keep one of the types that have become equal: SPIR-V forbids duplicates
+        // different function types may become equal; keep only the first one, because SPIR-V forbids
+        // duplicates
         const Words signature(lowered.words.begin() + 1, lowered.words.end());
         const auto [known, is_new] = signatures_.try_emplace(signature, w[0]);
         same_signature_[w[0]] = known->second;
@@ -243,7 +246,8 @@ class Lowering {
 
   // ---- functions
 
-  // Copies the functions of double_single.glsl, and lowers those of the shader.
+  // Lowers one instruction of the shader's functions; copies an instruction of double_single.glsl's
+  // functions.
   void LowerInFunction(const Instruction& instruction) {
     const Words& w = instruction.words;
     if (instruction.op == kFunction) {
@@ -271,8 +275,8 @@ class Lowering {
     out_.push_back(std::move(lowered));
   }
 
-  // Lowers an arithmetic instruction, whose result has this number of doubles. Returns false for an
-  // instruction that only moves values.
+  // Lowers an arithmetic instruction whose result consists of `result_doubles` doubles. Returns false if the
+  // instruction only moves values; the caller then copies it.
   bool LowerArithmetic(const Instruction& instruction, Word result_doubles) {
     const Words& w = instruction.words;
     switch (instruction.op) {
@@ -415,7 +419,7 @@ class Lowering {
     }
   }
 
-  // Puts the new decorations where SPIR-V wants them: before the types.
+  // Joins the module. SPIR-V requires the new decorations before the types.
   Words Assemble() {
     out_.insert(out_.begin() + static_cast<std::ptrdiff_t>(end_of_decorations_), decorations_.begin(),
                 decorations_.end());
@@ -424,16 +428,17 @@ class Lowering {
 
   Words header_;  // its fourth word: one more than the largest id
   std::vector<Instruction> in_, out_;
-  std::vector<Instruction> decorations_;  // those that the lowering adds
+  std::vector<Instruction> decorations_;  // decorations that the lowering adds
   std::size_t end_of_decorations_{0};
   std::map<std::string, Word> functions_;          // ids of the functions of double_single.glsl, by name
-  std::map<Word, Word> function_result_;           // type of a function's result
-  std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number
+  std::map<Word, Word> function_result_;           // result type by function id
+  std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number of components, by vector type
   std::map<Word, Word> type_of_;                   // type of a value in the original module
-  std::map<Word, Word> float_of_;                  // the float that was converted to this double
-  std::map<Words, Word> signatures_;     // lowered function types: their words, and the id of the first
-  std::map<Word, Word> same_signature_;  // the function type that stands for this one
-  std::map<Word, Word> sizes_;           // constants 2, 3, 4
+  std::map<Word, Word> float_of_;  // id of the float that a double equals exactly, by the double's id
+  // for the words of a lowered function type: the id of the first such type
+  std::map<Words, Word> signatures_;
+  std::map<Word, Word> same_signature_;  // for each function type: the equal type that is kept
+  std::map<Word, Word> sizes_;           // ids of the constants 2, 3, 4
   Word double_{0}, float_{0}, uint_{0}, pair_{0}, zero_{0};
   bool types_begun_{false}, in_pair_function_{false};
 };

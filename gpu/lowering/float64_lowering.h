@@ -5,15 +5,16 @@
 
 namespace osteon::gpu {
 
-/// Replaces doubles in a SPIR-V module by double-singles: a double becomes a vec2, a vector of doubles an
-/// array of vec2, and an operation on doubles a call of the function of shaders/double_single.glsl that has
-/// its name (DsAdd for OpFAdd). Buffers keep their layout. Float operations in functions named Ds… are marked
-/// NoContraction.
+/// Replaces doubles in a SPIR-V module by double-singles. A double becomes a vec2, and a vector of doubles
+/// becomes an array of vec2. An operation on doubles becomes a call of the corresponding function of
+/// shaders/double_single.glsl (DsAdd for OpFAdd). Buffers keep their layout. Float operations in functions
+/// named Ds… are decorated with NoContraction.
 ///
 ///     glslang --keep-uncalled -DOSTEON_NO_FLOAT64 ─▶ LowerFloat64 ─▶ spirv-val
 ///
-/// Constants nearer to zero than 1e-30 become 1e-30: their reciprocals have to stay in a float's range.
-/// @throws std::runtime_error where the module has an operation on doubles that is not known here.
+/// Constants other than 0 with a magnitude below 1e-30 become 1e-30, because their reciprocals must stay in a
+/// float's range.
+/// @throws std::runtime_error if the module has an operation on doubles that has no replacement.
 [[nodiscard]] std::vector<std::uint32_t> LowerFloat64(const std::vector<std::uint32_t>& module);
 
 }  // namespace osteon::gpu

@@ -4,7 +4,8 @@
 
 namespace osteon::gpu::spirv {
 
-// An instruction's first word has its length in words in the upper half, its number in the lower half.
+// The first word of an instruction has the instruction's length in words in the upper half and its number in
+// the lower half.
 Module Read(const Words& words) {
   Module module{.header = {words.begin(), words.begin() + 5}, .instructions = {}};
   for (std::size_t i = 5; i < words.size(); i += words[i] >> 16)
@@ -24,7 +25,8 @@ Words Write(const Module& module) {
 }
 
 bool HasTypedResult(Word op) {
-  // OpFunctionEnd, stores and copies of memory, decorations, barriers, OpAtomicStore, OpNoLine and the like
+  // numbers of instructions without a result: OpFunctionEnd, stores and copies of memory, decorations,
+  // barriers, OpAtomicStore, OpNoLine and similar ones
   static const std::set<Word> without{56, 62, 63, 64, 71, 72, 73, 74, 75, 224, 225, 228, 317, 330, 331, 332};
   const bool is_flow = op >= 246 && op <= 257;  // merges, labels, branches, returns
   return op == kExtInst || (op >= kConstantTrue && !is_flow && !without.contains(op));

@@ -12,7 +12,7 @@ namespace osteon::gpu::spirv {
 using Word = std::uint32_t;
 using Words = std::vector<Word>;
 
-/// Numbers of instructions.
+/// Numbers of instructions in the SPIR-V specification.
 enum Op : Word {
   kName = 5,
   kExtInst = 12,
@@ -67,7 +67,7 @@ enum Op : Word {
 /// Numbers of capabilities and decorations.
 inline constexpr Word kCapabilityFloat64 = 10, kArrayStride = 6, kNoContraction = 42;
 
-/// Numbers of GLSL.std.450's functions.
+/// Numbers of the functions of the instruction set GLSL.std.450.
 enum Glsl : Word {
   kFAbs = 4,
   kFloor = 8,
@@ -85,23 +85,24 @@ enum Glsl : Word {
 
 struct Instruction {
   Word op;
-  Words words;  ///< without the first one, which has the instruction's number and length
+  Words words;  ///< all words except the first, which has the instruction's number and length
 };
 
 struct Module {
-  Words header;  ///< five words; the fourth: one more than the largest id
+  Words header;  ///< five words; the fourth is one more than the largest id
   std::vector<Instruction> instructions;
 };
 
-/// Splits a module's words into instructions, and joins them again. Does not check that the module is valid.
+/// Read splits a module's words into instructions; Write joins them again. Neither checks that the module is
+/// valid.
 [[nodiscard]] Module Read(const Words& words);
 [[nodiscard]] Words Write(const Module& module);
 
-/// Whether the first two words of an instruction are a type and its result's id, among those that glslang
-/// makes for compute shaders.
+/// Whether the first two words of an instruction are the type and the id of its result. Valid for the
+/// instructions that glslang generates for compute shaders.
 [[nodiscard]] bool HasTypedResult(Word op);
 
-/// The name that an OpName gives.
+/// Returns the name that an OpName instruction assigns.
 [[nodiscard]] std::string NameOf(const Instruction& name);
 
 }  // namespace osteon::gpu::spirv

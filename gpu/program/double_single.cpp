@@ -5,7 +5,7 @@
 namespace osteon::gpu {
 namespace {
 
-// Applies a change to all doubles of a frame: the members of DoublePrecision before its sums.
+// Applies `change` to the bits of all doubles of a frame: the members of DoublePrecision before `engaged`.
 template <class Change>
 void ChangeDoubles(Frame& frame, Change change) {
   constexpr std::size_t kDoubles = offsetof(DoublePrecision, engaged) / sizeof(double);

@@ -11,9 +11,9 @@
 
 namespace osteon::gpu {
 
-/// A fraction's key before any contact is known: 2 (the upper halves of a double and of a float are the
-/// same), with all ones in the lower word. It is not below any key with the same upper word, which passes
-/// without 64-bit integers find first (words.glsl).
+/// Key of a path fraction before any contact is found. Its upper word is that of the number 2, the same for a
+/// double and for a float key; its lower word is all ones. No key with the same upper word is larger. Passes
+/// without 64-bit integers need this, because they find the smallest upper word first (words.glsl).
 inline constexpr Key64 kNoContactKey = 0x40000000ffffffff;
 
 [[nodiscard]] constexpr std::uint64_t ToDoubleSingle(double value) {
@@ -26,7 +26,7 @@ inline constexpr Key64 kNoContactKey = 0x40000000ffffffff;
          static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(floats >> 32)));
 }
 
-/// The number whose key (ToKey in shaders/exact.glsl) this is.
+/// Returns the number of which ToKey (shaders/exact.glsl) has made this key.
 [[nodiscard]] constexpr double FromDoubleSingleKey(Key64 key) {
   const auto rest = static_cast<std::uint32_t>(key);
   const std::uint32_t bits = (rest >> 31) != 0 ? rest & 0x7fffffffu : ~rest;
@@ -36,8 +36,8 @@ inline constexpr Key64 kNoContactKey = 0x40000000ffffffff;
 /// Replaces a frame's doubles by double-singles.
 void ToDoubleSingles(Frame& frame);
 
-/// Replaces a frame's double-singles by doubles, the key of first contact by a double's bits, and brings its
-/// sums to units of 1 / kUnitSubdivision.
+/// Replaces a frame's double-singles by doubles and the key of first contact by a double's bits, and converts
+/// the sums to units of 1 / kUnitSubdivision.
 void FromDoubleSingles(Frame& frame);
 
 }  // namespace osteon::gpu

@@ -14,7 +14,8 @@
 namespace osteon::gpu {
 namespace {
 
-constexpr std::uint32_t kMaxPasses = 16;  // of one frame: the size of the pool of timestamps
+// largest number of passes of a frame; size of the pool of timestamps
+constexpr std::uint32_t kMaxPasses = 16;
 
 // Bytes of each storage buffer, by binding.
 std::array<std::size_t, kBindings> BufferBytes(const ProgramSizes& n) {
@@ -125,7 +126,8 @@ void FrameProgram::MakeBuffers() {
     frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kReadBack);
     return;
   }
-  // the host writes to the passes' memory where it can; the readback is in memory that the host reads fast
+  // If possible, the host writes the frame directly to the memory that the passes read. The readback is in
+  // memory that the host reads fast.
   frame_in_ = MakeBuffer(*context_, sizeof(Frame), Placement::kShared);
   copies_in_ = !frame_in_.device_local;
   if (copies_in_) buffers_[kBindFrame] = MakeBuffer(*context_, sizeof(Frame), Placement::kDevice);
@@ -168,7 +170,7 @@ void FrameProgram::MakePipelines(bool fused_fma) {
   set_layout_ = vk::raii::DescriptorSetLayout(device, vk::DescriptorSetLayoutCreateInfo({}, bindings));
   layout_ = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, *set_layout_));
 
-  // specialization constants of the shaders; `entries` has their ids
+  // specialization constants of the shaders; `entries` assigns their ids
   struct Constants {
     VkBool32 one_cutter;
     uint ball_clusters;
@@ -177,9 +179,9 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     VkBool32 contact_sphere;
     uint materials;
     VkBool32 on_gpu;
-    uint tool_rest;  // kToolRemainder
+    uint tool_rest;  // kToolRemainder: where the remainders begin in the tool's buffer
     uint bone_bits;
-    VkBool32 lower_words;  // false: a pass finds only the upper words of the smallest keys
+    VkBool32 lower_words;  // false: the pass finds only the upper words of the smallest keys
     VkBool32 fused_fma;
   } const constants{.one_cutter = sizes_.cutters == 1 ? VK_TRUE : VK_FALSE,
                     .ball_clusters = static_cast<uint>(sizes_.ball_clusters),
@@ -208,7 +210,7 @@ void FrameProgram::MakePipelines(bool fused_fma) {
   if (gpu_) wide_groups.lanes = kWideLanes;
   const bool without_int64 = !HasInt64(context_->arithmetic),
              without_doubles = !HasDoubles(context_->arithmetic);
-  // Compiles a pass and returns its index in passes_. groups: offset of its DispatchArgs in Frame.
+  // Compiles a pass and returns its index in passes_. groups: offset of the pass's DispatchArgs in Frame.
   const auto add_pass = [&](const char* name, const ShaderCode& code, const Constants& own,
                             std::size_t groups, NextPassNeeds next_needs) {
     const vk::SpecializationInfo specialization(static_cast<std::uint32_t>(entries.size()), entries.data(),
@@ -221,7 +223,8 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     const vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo size(subgroup_size_);
     vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module, "main",
                                             &specialization);
-    // without this feature a driver may leave invocations of a subgroup inactive, and the passes support that
+    // without this feature a driver may leave some invocations of a subgroup inactive, which the passes also
+    // support
     if (context_->subgroups.can_be_full && own.lanes % subgroup_size_ == 0)
       stage.flags = vk::PipelineShaderStageCreateFlagBits::eRequireFullSubgroups;
     if (asks_subgroup_size_) stage.pNext = &size;
@@ -230,10 +233,10 @@ void FrameProgram::MakePipelines(bool fused_fma) {
          groups, next_needs, std::max(1u, own.lanes / lanes())});
     return passes_.size() - 1;
   };
-  // numbers of workgroups over the lists of pairs, and over all lists
+  // offsets of the numbers of workgroups: over the lists of ball pairs, and over all lists
   const std::size_t pair_groups = offsetof(Frame, pair_work), all_groups = offsetof(Frame, all_work);
-  // Adds a pass that finds smallest keys, and returns its dispatches. Without 64-bit integers a first
-  // dispatch finds their upper words.
+  // Adds a pass that finds smallest keys; returns the indices of its dispatches. Without 64-bit integers, an
+  // additional first dispatch (named `first`) finds the keys' upper words.
   const auto add_key_pass = [&](const char* name, const char* first, const ShaderCode& code,
                                 const Constants& own, std::size_t groups) {
     std::vector<std::size_t> dispatches;
@@ -243,11 +246,12 @@ void FrameProgram::MakePipelines(bool fused_fma) {
     dispatches.push_back(add_pass(name, code, own, groups, NextPassNeeds::kResults));
     return dispatches;
   };
-  // the passes in their order: indices in passes_
+  // indices into passes_, in the order of execution
   std::vector<std::size_t> after_contact =
       add_key_pass("near_field", "near_field_upper_words", kCode_near_field, wide_groups, pair_groups);
   if (!gpu_) {
-    // one subgroup computes the solution; on a GPU it belongs to the near field's last workgroup
+    // one subgroup computes the solution in a pass of its own; on a GPU, the near field's last workgroup
+    // computes it
     Constants alone = constants;
     alone.lanes = subgroup_size_;
     after_contact.push_back(add_pass("solve", kCode_solve, alone, kOneWorkgroup, NextPassNeeds::kResults));
@@ -371,8 +375,8 @@ vk::raii::CommandBuffer FrameProgram::Record(const std::vector<std::size_t>& pas
   return commands;
 }
 
-// Records the passes over existing lists with constant sizes, which the host knows after the lists were
-// built. Does nothing while the sizes are those of the last recording.
+// Records the commands of kLists with constant numbers of workgroups, which the host knows once the lists are
+// built. Does nothing if the numbers are those of the last recording.
 void FrameProgram::RecordLists(const Frame& frame) {
   const std::array<DispatchArgs, 3> groups{frame.pair_work, frame.all_work, frame.clear_work};
   if (std::memcmp(&groups, &recorded_, sizeof(groups)) == 0) return;
@@ -383,7 +387,8 @@ void FrameProgram::RecordLists(const Frame& frame) {
 
 bool FrameProgram::AwaitFence(std::uint64_t timeout_ns) {
   if (policy_ != FencePolicy::kWait) {
-    // a GPU answers within tens of microseconds: polling is faster than being woken
+    // a GPU finishes within tens of microseconds, so polling is faster than waiting for the operating
+    // system's wake-up
     for (int i = 0; i < 20'000; ++i)
       if (fence_.getStatus() == vk::Result::eSuccess) return true;
   }
@@ -410,7 +415,7 @@ bool FrameProgram::AwaitReadback(std::uint64_t timeout_ns) {
 bool FrameProgram::Run(const Frame& frame, FrameMode mode, std::uint64_t timeout_ns) try {
   const bool without_doubles = !HasDoubles(context_->arithmetic);
   last_mode_ = mode;
-  // Wait for the last frame: its readback may have arrived before its fence.
+  // Wait until the last frame has ended: its readback may have arrived before its fence was signalled.
   if (!AwaitFence(timeout_ns)) return false;
   Frame asked = frame;
   asked.sequence = ++sequence_;
@@ -432,7 +437,8 @@ bool FrameProgram::RunCommands(FrameMode mode, std::uint64_t timeout_ns) {
   context_->device->resetFences(*fence_);
   context_->queue->submit(vk::SubmitInfo(nullptr, nullptr, raw), *fence_);
   if (policy_ != FencePolicy::kReport || mode == FrameMode::kFlush) return AwaitFence(timeout_ns);
-  // the checksum covers the readback alone, not the events that a frame may have in addition
+  // The checksum covers only the readback. If the frame has split events, wait for the fence before reading
+  // them.
   return AwaitReadback(timeout_ns) && (raw_result().split_event_count == 0 || AwaitFence(timeout_ns));
 }
 

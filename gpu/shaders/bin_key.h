@@ -1,9 +1,10 @@
-// Key for finding the nearest pair of a bin: the smallest key wins. One text for C++ and GLSL.
+// Key for finding the nearest pair of a bin: the smallest key wins. Included by C++ and GLSL.
 //
 //     63                38 37              14 13            0
 //     score's units (26)   bone ball (24)     tool ball (14)
 //
-// A bone of more than 2^24 balls takes bits from the lower end of the units, up to kMaxBoneBits.
+// For a bone of more than 2^24 balls, the ball's index takes up to kMaxBoneBits bits, and the score loses as
+// many of its lowest bits.
 #ifndef OSTEON_GPU_BIN_KEY_H
 #define OSTEON_GPU_BIN_KEY_H
 
@@ -20,13 +21,13 @@ namespace osteon::gpu {
 
 OSTEON_CONST uint kScoreBits = 26, kMinBoneBits = 24, kMaxBoneBits = 28;
 
-// A pair's score (gap plus direction cost) in integer units that increase with it:
+// A pair's score (gap plus direction cost) in integer units; a larger score has more units:
 //
-//     -33 … -0.97 mm    2^-15 mm per unit: the tool may lie that deep in bone
+//     -33 … -0.97 mm    2^-15 mm per unit: the tool may be as deep as this in bone
 //     -0.97 … 0.97 mm   2^-25 mm per unit
-//     0.97 … 33 mm      2^-15 mm per unit: a normal's enlargement may be that large
+//     0.97 … 33 mm      2^-15 mm per unit: a normal's enlargement may be as large as this
 //
-// Each range begins with the units at which the one before ends: 2^20, then 66060288.
+// Each range continues at the unit where the previous range ends: at 2^20, then at 66060288.
 #define OSTEON_SCORE_UNITS(Number)                                          \
   OSTEON_FUNCTION uint ScoreUnits(Number score) {                           \
     Number deep = score + Number(32.96875), far = score - Number(0.96875);  \
@@ -40,10 +41,11 @@ OSTEON_SCORE_UNITS(float)
 OSTEON_SCORE_UNITS(double)
 #undef OSTEON_SCORE_UNITS
 
-// Returns the upper bits of the units that a key with `bone_bits` bits for the bone ball keeps.
+// Returns the upper bits of the score's units, which are stored in a key with `bone_bits` bits for the bone
+// ball.
 OSTEON_FUNCTION uint KeptUnits(uint units, uint bone_bits) { return units >> (bone_bits - kMinBoneBits); }
 
-// Returns these kept units from the upper half of a key's 64 bits.
+// Returns the units stored in a key (as KeptUnits returns them), given the upper half of the key's 64 bits.
 OSTEON_FUNCTION uint UnitsOfHalf(uint upper_half, uint bone_bits) {
   return upper_half >> (bone_bits + kToolBits - 32u);
 }
@@ -73,7 +75,7 @@ OSTEON_FUNCTION uint ToolOfKey(Key64 key) { return uint(key) & ((1u << kToolBits
 #ifdef __cplusplus
 static_assert(kScoreBits + kMinBoneBits + kToolBits == 64 && kMinBoneBits + kToolBits >= 32);
 
-// Number of bits for the indices of `balls` bone balls.
+// Returns the number of bits that an index of one of `balls` bone balls needs.
 [[nodiscard]] constexpr uint BoneBits(std::size_t balls) {
   uint bits = kMinBoneBits;
   while (bits < kMaxBoneBits && (balls - 1) >> bits != 0 && balls > 0) ++bits;

@@ -1,5 +1,5 @@
-// Sizes, bindings and the memory layout of every buffer, included by both the shaders and C++. Lengths in
-// millimetres relative to the packing's origin, forces in newtons, work in newton millimetres.
+// Sizes, bindings and the memory layout of every buffer, included by both the shaders and C++. Lengths and
+// positions in millimetres, relative to the packing's origin, forces in newtons, work in newton millimetres.
 #ifndef OSTEON_GPU_LAYOUT_H
 #define OSTEON_GPU_LAYOUT_H
 
@@ -11,7 +11,8 @@
 #include <cstdint>
 namespace osteon::gpu {
 using uint = std::uint32_t;
-// 64-bit integers of keys and of exact sums; in GLSL the device's own or two words: see words.glsl
+// 64-bit integers for keys and exact sums. In GLSL they are the device's 64-bit integers, or two words: see
+// words.glsl.
 using Key64 = std::uint64_t;
 using Sum64 = std::int64_t;
 struct vec4 {
@@ -35,32 +36,36 @@ struct dvec3 {
 #endif
 
 OSTEON_CONST uint kGroupSize = 64;  // invocations of a workgroup; balls or points of a cluster
-// on a GPU, in passes whose last workgroup continues or whose sums are combined
+// Invocations of a workgroup on a GPU, in passes whose last workgroup does the next step of the frame or that
+// combine sums.
 OSTEON_CONST uint kWideLanes = 256;
 OSTEON_CONST uint kMaxToolBalls = 10000;
 OSTEON_CONST uint kNoToolBall = 0xffffffffu;
 OSTEON_CONST uint kMaxMaterials = 8;
-// as in simulation/contact/contact_law.h
-OSTEON_CONST uint kBins = 60;  // directions; from kCuttingBinCount on for balls that do not cut
+// the following constants have the same values as those in simulation/contact/contact_law.h
+// bins of direction; those from kCuttingBinCount on are for balls that do not cut
+OSTEON_CONST uint kBins = 60;
 OSTEON_CONST uint kCuttingBinCount = 54;
 OSTEON_CONST uint kRemembered = 8;
-OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered ones
+OSTEON_CONST uint kCandidates = 68;  // the nearest pair of each bin, then the remembered pairs
 OSTEON_CONST uint kFaces = 4;
-OSTEON_CONST uint kFaceColumns = 4;  // weight centre (3), weight radius
-OSTEON_CONST uint kToolBits = 14;    // for a tool ball's index in keys and packed pairs
-// Subdivision of the units of face_scale, area_scale and moment_scale.
-OSTEON_CONST uint kUnitBits = 18, kFloatUnitBits = 10;  // without shaderFloat64 fewer: see double_single.glsl
+OSTEON_CONST uint kFaceColumns = 4;  // weight × centre (3 columns), weight × radius
+OSTEON_CONST uint kToolBits = 14;    // bits of a tool ball's index in keys and packed pairs
+// Exact sums subdivide the units of face_scale, area_scale and moment_scale by 2^kUnitBits.
+// kFloatUnitBits: without shaderFloat64, see double_single.glsl
+OSTEON_CONST uint kUnitBits = 18, kFloatUnitBits = 10;
 #ifdef OSTEON_NO_FLOAT64
 OSTEON_CONST double kUnitSubdivision = double(1u << kFloatUnitBits);
 #else
 OSTEON_CONST double kUnitSubdivision = double(1u << kUnitBits);
 #endif
-// Packed pair: 14-bit tool ball index, above it an 18-bit lower bound of the gap when the list was built.
+// Packed pair: the lower 14 bits are a tool ball's index, the upper 18 bits a lower bound of the pair's gap
+// at the time of the list's construction.
 OSTEON_CONST uint kMaxPackedGap = (1u << (32u - kToolBits)) - 1u;
 OSTEON_CONST float kPackedGapUnit = 1.0f / 32768.0f;  // mm
 
-// A sum in fixed point: high * 2^16 + low, in units of 1/scale. Integers add up to the same in any order, so
-// a frame's result does not depend on scheduling.
+// A sum in fixed point: high * 2^16 + low, in units of 1/scale. A sum of integers does not depend on the
+// order, so a frame's result does not depend on scheduling.
 struct Sum {
   int high;
   uint low;
@@ -72,10 +77,10 @@ struct DoublePrecision {
   dvec3 axis;         // axis of the spindle
   double enlargement, tolerance, layer, max_slide;
   double stiffness, max_force, spindle_rad_per_s, dt_s;
-  double work_held_back;                                // work of this frame that repays the energy lead
+  double work_held_back;  // part of this frame's work that reduces the energy lead
   OSTEON_ARRAY(double, cutting_energy, kMaxMaterials);  // N/mm^2
   OSTEON_ARRAY(double, force_ratio, kMaxMaterials);
-  OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, of all edges together
+  OSTEON_ARRAY(double, edge_force, kMaxMaterials);  // N/mm, for all edges together
   OSTEON_ARRAY(dvec3, face_n, kFaces);  // directions in which faces pressed in the frame before; zero: none
   // results
   dvec3 delta, shift;  // delta: to the constrained target; shift: straight to it from first contact
@@ -113,9 +118,10 @@ struct Candidate {
 
 // One frame: inputs from the host, then results of the passes.
 struct Frame {
-  OSTEON_ARRAY(Key64, bin_keys, kBins);  // result; all ones where there is no pair
-  // results: fraction of the path at first contact, and fractions of the slide (with the turn, straight) at
-  // its first contact. They are bits of doubles, which sort like the doubles while the sign is the same
+  OSTEON_ARRAY(Key64, bin_keys, kBins);  // result: key of the nearest pair of each bin; all ones: no pair
+  // Results: fraction of the path at first contact; fractions at first contact of the slide with the turn and
+  // of the straight slide. Each key is the bits of a double, which sort like the doubles because all of them
+  // are positive.
   Key64 contact_key, slide_key, straight_key;
   DoublePrecision exact;
 

@@ -16,7 +16,7 @@ using Joints = kinematics::JointVectorN<7>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kNullShare = 0.1;       // stiffness in the null space, as a share of the joints' stiffness
-constexpr double kNullDamping_m = 1e-3;  // damping of the null space's projection, near singular postures
+constexpr double kNullDamping_m = 1e-3;  // damping of the projection to the null space, for singular postures
 
 // The chain with masses and inertias multiplied by 1 + error.
 kinematics::ChainParams<7> WithMassError(kinematics::ChainParams<7> chain, double error) {
@@ -82,7 +82,7 @@ DynamicArm::DynamicArm(const DynamicArmParams& params, const kinematics::ChainPa
         2.0 * params.joint_damping_ratio * std::sqrt(params.stiffness_Nm_per_rad[i] * M(i, i));
   const Vector3 p_B = arm_.FlangePose(q_start) * p_FT_m;
   const Eigen::Matrix<double, 6, 6> mobility = arm_.Mobility(q_start, p_B);
-  // apparent mass and inertia at the tool, averaged over the directions, which the damping ratio refers to
+  // The damping ratio refers to the apparent mass and inertia at the tool, averaged over the directions.
   const double mass_kg = 3.0 / mobility.topLeftCorner<3, 3>().trace();
   const double inertia_kg_m2 = 3.0 / mobility.bottomRightCorner<3, 3>().trace();
   cartesian_damping_Ns_per_m_ =
@@ -118,7 +118,8 @@ void DynamicArm::Step(const ArmDrive& drive, const Wrench& F_T_B) OSTEON_RT {
       mount_->Step(arm_, {.q = q_, .qd = qd_, .F_B = F_T_B, .p_B = arm_.FlangePose(q_) * p_FT_m_}, h);
   }
   qdd_ = Acceleration(delayed, F_T_B, mount_ ? mount_->Torques(arm_, q_) : Joints::Zero(), q_, qd_);
-  tau_ = DriveTorque(delayed, q_, qd_) - arm_.Friction(qd_);  // the torque sensors sit behind the gears
+  // the torque sensors are on the output side of the gears, where friction is already lost
+  tau_ = DriveTorque(delayed, q_, qd_) - arm_.Friction(qd_);
 }
 
 // The controller's torque command to the drives.
@@ -139,8 +140,8 @@ DynamicArm::Joints DynamicArm::Command(const ArmDrive& drive, const Joints& q,
   return Joints::Zero();
 }
 
-// Torques of springs and dampers at the tool and of the overlay, and of the joints' springs in the null
-// space.
+// Torques of the springs and dampers at the tool, of the wrench overlay, and of the joints' springs and
+// dampers in the null space.
 DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Joints& q,
                                                const Joints& qd) const OSTEON_RT {
   const Chain::Posture posture = model_.ComputePosture(q);
@@ -155,8 +156,8 @@ DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Join
                     LogRotation(posture.X_BF.linear().transpose() * X_wanted.linear()) -
                 cartesian_damping_Nms_per_rad_ * V.tail<3>() + drive.F_T_B.t;
 
-  // remove from the joints' springs and dampers the components that would move the flange, to first order in
-  // the damping of the projection
+  // Remove from the torques of the joints' springs and dampers those components that would move the flange.
+  // The projection is damped, so a small part remains.
   const Joints tau_null = kNullShare * params_.stiffness_Nm_per_rad.cwiseProduct(drive.q_cmd - q) -
                           std::sqrt(kNullShare) * joint_damping_.cwiseProduct(qd);
   Eigen::Matrix<double, 6, 6> JJt = J * J.transpose();
@@ -164,7 +165,7 @@ DynamicArm::Joints DynamicArm::CartesianTorque(const ArmDrive& drive, const Join
   return J.transpose() * F + tau_null - J.transpose() * JJt.ldlt().solve(J * tau_null);
 }
 
-// The command with friction compensation, within the drives' limits.
+// The controller's torque command plus its friction compensation, limited to the drives' maximum torques.
 DynamicArm::Joints DynamicArm::DriveTorque(const ArmDrive& drive, const Joints& q,
                                            const Joints& qd) const OSTEON_RT {
   return (Command(drive, q, qd) + params_.friction_compensation * arm_.Friction(qd))
@@ -172,7 +173,7 @@ DynamicArm::Joints DynamicArm::DriveTorque(const ArmDrive& drive, const Joints& 
       .cwiseMax(-torque_limit_Nm_);
 }
 
-// tau_base: torques that the accelerating base takes from the drives.
+// @param tau_base torques that the drives need because the base accelerates
 DynamicArm::Joints DynamicArm::Acceleration(const ArmDrive& drive, const Wrench& F_T_B,
                                             const Joints& tau_base, const Joints& q,
                                             const Joints& qd) const OSTEON_RT {

@@ -11,16 +11,19 @@ namespace osteon::hil {
 
 /// Parameters of DynamicArm. All values are assumed: none was measured on an arm.
 struct DynamicArmParams {
-  double bandwidth_hz{15.0};  ///< of the position controller; dead time and damping as in ServoArm
+  /// Of the position controller; dead time and damping ratio mean the same as in ServoArm.
+  double bandwidth_hz{15.0};
   double damping_ratio{1.0};
   int dead_cycles{3};  ///< whole periods from a command to its first effect, 0 … 32
-  /// Joint impedance.
+  /// Stiffness in joint impedance.
   kinematics::JointVectorN<7> stiffness_Nm_per_rad{kinematics::JointVectorN<7>::Constant(500.0)};
-  double joint_damping_ratio{0.7};  ///< of each joint alone, with its inertia in the posture at the start
-  /// Cartesian impedance, at the motion's centre; the null space has a tenth of the joints' stiffness.
+  /// Damping ratio of each joint alone, with its inertia in the posture at the start.
+  double joint_damping_ratio{0.7};
+  /// Stiffness in Cartesian impedance, at the motion's centre. The stiffness in the null space is a tenth of
+  /// stiffness_Nm_per_rad.
   double stiffness_N_per_m{2000.0}, stiffness_Nm_per_rad_turn{200.0};
   double cartesian_damping_ratio{0.7};
-  /// Relative error of the masses in the arm's own model: 0.05 means 5 % too large; > -1.
+  /// Relative error of the masses in the controller's model of the arm: 0.05 means 5 % too large; > -1.
   double mass_error{0.0};
   /// Share of the chain's friction that the controller compensates, 0 … 1.
   double friction_compensation{0.0};
@@ -30,15 +33,15 @@ struct DynamicArmParams {
 
 /// An arm with masses: M qdd + C qd + g = tau - friction + J^T F, integrated by Runge-Kutta of fourth order.
 ///
-/// The controller's model may have wrong masses. It computes the torques, each limited to its drive's
-/// maximum:
+/// The controller computes these torques with its model of the arm, whose masses may be wrong. Each torque is
+/// limited to its drive's maximum:
 ///
 ///     position             tau = RNEA(q, qd, w^2 (q_cmd - q) - 2 z w qd),  w = 2 pi bandwidth
 ///     joint impedance      tau = K (q_cmd - q) - D qd + C qd + g + tau_overlay
 ///     Cartesian impedance  tau = J^T (K x_error - D V + F_overlay) + (null space) + C qd + g
 ///
-/// With a right model, no friction and no external wrench, position control obeys ServoArm's equation, whose
-/// closed form is the oracle. A wrench deflects the position-controlled arm by M^-1 J^T F / w^2.
+/// With exact masses, no friction and no external wrench, position control obeys ServoArm's equation, whose
+/// closed form is the oracle in the tests. A wrench deflects the position-controlled arm by M^-1 J^T F / w^2.
 ///
 /// The drives' gears are rigid: no elasticity between encoders and joints.
 class DynamicArm final : public SimulatedArm {
@@ -46,7 +49,8 @@ class DynamicArm final : public SimulatedArm {
   static constexpr int kMaxDeadCycles = 32;
 
   /// Starts at rest at q_start.
-  /// @param chain  with masses and torque limits; its last link includes everything mounted on the flange
+  /// @param chain  the arm's chain with masses and torque limits; its last link includes everything mounted
+  /// on the flange
   /// @param gravity_B  [m/s^2]  @param p_FT_m  the motion's centre, in the flange's frame
   /// @throws std::invalid_argument naming the parameter, what was found and what is accepted.
   DynamicArm(const DynamicArmParams& params, const kinematics::ChainParams<7>& chain,

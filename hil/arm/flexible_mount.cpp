@@ -52,7 +52,7 @@ FlexibleMount::RigidBodySum FlexibleMount::SumLinks(const kinematics::SerialChai
     p_before = p;
     const kinematics::LinkInertia& link = links_[at];
     const Pose X_BL = chain.LinkPose(posture, i);
-    // centre of mass: r from the link's origin, c from B's
+    // position of the centre of mass: r from the link's origin, c from B's origin
     const Vector3 r = X_BL.linear() * link.p_LLcm_m, c = p + r;
     const Matrix3 I = X_BL.linear() * link.I_LLcm_kg_m2 * X_BL.linear().transpose();
     const Vector3 momentum = link.mass_kg * (v + w.cross(r)), weight = link.mass_kg * gravity_B_;
@@ -76,7 +76,8 @@ void FlexibleMount::Step(const kinematics::SerialChain<7>& chain, const Input& i
   outside << F_B.f, F_B.t + p_B.cross(F_B.f);
   const Matrix6 inertia = mount_inertia_ + sum.inertia;
 
-  // backward Euler of the total momentum of base and arm, inertia × rate + H, under springs and weight
+  // Backward Euler step of the total momentum of base and arm (inertia × rate + H) under springs, dampers,
+  // weight and external wrench.
   Matrix6 left = inertia;
   left.diagonal() += dt_s * damping_ + dt_s * dt_s * stiffness_;
   const Vector6 rate = left.ldlt().solve(
@@ -92,7 +93,7 @@ FlexibleMount::Joints FlexibleMount::Torques(const kinematics::SerialChain<7>& c
   const kinematics::SerialChain<7>::Posture posture = chain.ComputePosture(q);
   const Vector3 a = acceleration_.head<3>(), alpha = acceleration_.tail<3>();
   Joints tau;
-  // wrench that accelerates the links from joint i on together with the base; t about B's origin
+  // f, t: wrench that the links from joint i on need to accelerate with the base; t about B's origin
   Vector3 f = Vector3::Zero(), t = Vector3::Zero();
   for (int i = 6; i >= 0; --i) {
     const auto at = static_cast<std::size_t>(i);

@@ -7,25 +7,27 @@
 
 namespace osteon::hil {
 
-/// The mount of the arm. Assumed figures; a steel pedestal is near 5e6 N/m, a cart on locked castors far
-/// below.
+/// Parameters of the arm's mount. All values are assumed. A steel pedestal has a stiffness near 5e6 N/m, a
+/// cart on locked castors a far lower one.
 struct FlexibleMountParams {
-  double stiffness_N_per_m{2e6};     ///< along x, y, z of B alike; > 0
-  double stiffness_Nm_per_rad{5e5};  ///< about x, y, z alike, at B's origin; > 0
-  double damping_ratio{0.05};        ///< of each direction alone, with the arm in its posture at the start
-  double mass_kg{20.0};              ///< moving mass of the mount, without the arm's links; > 0
-  double inertia_kg_m2{1.0};         ///< about B's origin; > 0
+  double stiffness_N_per_m{2e6};     ///< along each of B's axes x, y, z; > 0
+  double stiffness_Nm_per_rad{5e5};  ///< about each of B's axes, at B's origin; > 0
+  /// Damping ratio of each direction alone, with the arm in its posture at the start.
+  double damping_ratio{0.05};
+  double mass_kg{20.0};       ///< moving mass of the mount, without the arm's links; > 0
+  double inertia_kg_m2{1.0};  ///< about B's origin; > 0
 };
 
-/// A base on springs that an arm shakes: small motions d (3 + 3) of B,
+/// A base on springs and dampers that the moving arm shakes. d is the small displacement of B, 3 translations
+/// and 3 rotations:
 ///
 ///     d/dt ((M_mount + M_arm) d' + H) + D d' + K d = W - W_start
 ///
-/// with M_arm the arm's inertia about B's origin in its present posture, H the momentum of the joints'
-/// motion, W the wrench of gravity and external loads. The base's acceleration acts on the links like a
-/// gravity field. The effects of the base's rotation on the links (Coriolis, centrifugal) are left out, and
-/// axes are taken as if B did not rotate. Starts at rest: displacement is zero under the arm's weight at the
-/// start.
+/// M_arm is the arm's inertia about B's origin in its present posture, H the momentum of the joints' motion,
+/// W the wrench of gravity and external loads, W_start its value at the start. The base's acceleration acts
+/// on the links like a gravity field. The effects of the base's rotation on the links (Coriolis, centrifugal)
+/// are neglected, and the axes are those of the unrotated B. Starts at rest with zero displacement, because W
+/// - W_start excludes the arm's weight at the start.
 class FlexibleMount {
  public:
   using Joints = kinematics::JointVectorN<7>;
@@ -40,7 +42,7 @@ class FlexibleMount {
   struct Input {
     const Joints& q;               ///< [rad]
     const Joints& qd;              ///< [rad/s]
-    Wrench F_B{};                  ///< its force acts at p_B of the base's frame
+    Wrench F_B{};                  ///< its force acts at the point p_B of frame B
     Vector3 p_B{Vector3::Zero()};  ///< [m]
   };
   void Step(const kinematics::SerialChain<7>& chain, const Input& input, double dt_s) OSTEON_RT;
@@ -53,8 +55,8 @@ class FlexibleMount {
   [[nodiscard]] const Vector6& rate() const OSTEON_RT { return rate_; }       ///< [m/s, rad/s]
 
  private:
-  // The arm as one rigid body about B's origin, the momentum of its joints' motion, and the wrench of its
-  // weight.
+  // Sums over the arm's links: inertia as one rigid body about B's origin, momentum of the joints' motion,
+  // and wrench of the weight.
   struct RigidBodySum {
     Matrix6 inertia{Matrix6::Zero()};
     Vector6 momentum{Vector6::Zero()}, weight{Vector6::Zero()};
@@ -67,7 +69,7 @@ class FlexibleMount {
   Matrix6 mount_inertia_;
   Vector6 stiffness_, damping_, weight_start_;
   Vector6 d_{Vector6::Zero()}, rate_{Vector6::Zero()}, acceleration_{Vector6::Zero()};
-  Vector6 momentum_{Vector6::Zero()};  ///< of base and arm
+  Vector6 momentum_{Vector6::Zero()};  ///< total momentum of base and arm
 };
 
 }  // namespace osteon::hil

@@ -23,8 +23,8 @@ Wrench SubtractInertia(const control::ForceSensorParams& sensor, const Wrench& F
   const Vector3 center_m_per_s2 = A_WT.v + A_WT.w.cross(from_T_W) + V_WT.w.cross(V_WT.w.cross(from_T_W));
   const Matrix3 I_F = sensor.tool_inertia_F;
   const Vector3 w_F = R_FW * V_WT.w, alpha_F = R_FW * A_WT.w;
-  const Vector3 spin_F = I_F * alpha_F + w_F.cross(I_F * w_F);  // Euler's equation, in the body
-  // at S's origin, in S
+  const Vector3 spin_F = I_F * alpha_F + w_F.cross(I_F * w_F);  // Euler's equation, in F
+  // wrench at S's origin, in S
   const Vector3 f_S = R_SW * (sensor.tool_mass_kg * center_m_per_s2);
   const Vector3 center_S = Pose(sensor.X_FS).inverse() * Vector3(sensor.tool_center_F_m);
   const Vector3 t_S = Pose(sensor.X_FS).linear().transpose() * spin_F + center_S.cross(f_S);

@@ -5,13 +5,13 @@
 
 namespace osteon::hil {
 
-/// Returns the load that the hand and the tool's weight put on the sensor between flange and tool: at S's
+/// Returns the load on the sensor between flange and tool, from the hand and from the tool's weight, at S's
 /// origin, in S. Written independently of its inverse, control::HandWrench.
 /// @param F_hand_T_W  the hand's wrench on the tool, at To, in W
 [[nodiscard]] Wrench SensorLoad(const control::ForceSensorParams& sensor, const Pose& X_WT, const Pose& X_WF,
                                 const Wrench& F_hand_T_W);
 
-/// Motion of sensor and tool.
+/// Motion of sensor and tool that SubtractInertia needs.
 struct SensorMotion {
   const Pose& X_WT;
   const Pose& X_WF;

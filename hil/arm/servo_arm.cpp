@@ -32,12 +32,12 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
     max_speed_rad_per_s_[i] = limits[static_cast<std::size_t>(i)].velocity_rad_per_s;
     if (!(max_speed_rad_per_s_[i] > 0.0)) refuse("velocity limit [rad/s]", max_speed_rad_per_s_[i], "> 0");
   }
-  // part of a period in which one command acts, with the closed-form step over it
+  // makes a part of a period in which one command acts, with the closed-form transition over it
   const auto part = [&](double duration_s) {
     return Part{duration_s, SecondOrderStep(2.0 * std::numbers::pi * params.bandwidth_hz,
                                             params.damping_ratio, duration_s)};
   };
-  // whole periods of the dead time, and the remaining share of a period
+  // the dead time as whole periods and a remaining fraction of a period
   const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
   first_ = part(rest > 0.0 ? rest * period_s : period_s);
   if (rest > 0.0) second_ = part((1.0 - rest) * period_s);
@@ -46,7 +46,7 @@ ServoArm::ServoArm(const ServoArmParams& params, const std::array<kinematics::Jo
 }
 
 void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
-  // Store the newest command, and use the one that came dead_cycles earlier.
+  // Store the newest command, and use the command that came ceil(dead_cycles) periods earlier.
   delay_[next_] = q_cmd;
   next_ = (next_ + 1) % delay_size_;
   Advance(first_, delay_[next_]);
@@ -56,10 +56,10 @@ void ServoArm::Step(const kinematics::JointVector& q_cmd) OSTEON_RT {
 void ServoArm::Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT {
   for (int i = 0; i < 7; ++i) {
     const Eigen::Vector2d x = part.transition * Eigen::Vector2d(q_[i] - target[i], qd_[i]);
-    // x: error to the target and speed at the end of the part, without limits
-    const double wanted = (x[1] - qd_[i]) / part.duration_s;  // mean acceleration of the step
-    const double speed =
-        (target[i] + x[0] - q_[i]) / part.duration_s;  // mean velocity: its peak may lie within the step
+    // x: distance from the target, and speed, at the end of the part if no limit acts
+    const double wanted = (x[1] - qd_[i]) / part.duration_s;  // mean acceleration over the part
+    // mean velocity over the part; checked too, because the velocity's peak may lie within the part
+    const double speed = (target[i] + x[0] - q_[i]) / part.duration_s;
     if (std::abs(wanted) <= max_acceleration_rad_per_s2_ && std::abs(x[1]) <= max_speed_rad_per_s_[i] &&
         std::abs(speed) <= max_speed_rad_per_s_[i]) {
       q_[i] = target[i] + x[0];

@@ -8,28 +8,30 @@
 
 namespace osteon::hil {
 
-/// How the simulated arm follows its commands. The values are assumptions, to be varied: no real arm's lag
-/// was measured.
+/// Parameters of the simulated arm's lag. The values are assumptions and should be varied: the lag of no real
+/// arm was measured.
 struct ServoArmParams {
   double bandwidth_hz{15.0};  ///< natural frequency of each joint
   double damping_ratio{1.0};  ///< z
-  /// Periods from a command to its first effect, whole or not, 0 … ServoArm::kMaxDeadCycles.
+  /// Number of periods from a command to its first effect, not necessarily whole, 0 …
+  /// ServoArm::kMaxDeadCycles.
   double dead_cycles{3.0};
-  /// Bound on |q''|. None by default: the figures published for the iiwa are planning limits, far below what
-  /// its drives can do, and a saturating servo is not the arm that the stability rows were computed for.
+  /// Bound on |q''|; none by default. The accelerations published for the iiwa are limits for planned
+  /// motions, far below what its drives can do. A servo that saturates at them would not be the linear arm
+  /// for which the stability results were computed.
   double max_acceleration_rad_per_s2{std::numeric_limits<double>::infinity()};
 };
 
-/// An arm in position mode, joint by joint a servo with lag and dead time (the arm of control.md's Model B):
+/// An arm in position mode. Each joint is a servo with lag and dead time (the arm of Model B in control.md):
 ///
 ///     q'' = w^2 (q_cmd[k - dead] - q) - 2 z w q',   w = 2 pi bandwidth_hz
 ///
-/// A dead time of n + f periods, 0 < f < 1, advances in two parts: q_cmd[k - n - 1] acts for f of the period,
-/// then q_cmd[k - n].
-/// Between two steps the command is constant (zero-order hold), so the equation's closed-form solution
-/// advances the state: exact to rounding for any period while no limit acts. If |q'| or |q''| would pass its
-/// limit, the step uses the constant acceleration that keeps the limit. Forces on the tool do not deflect the
-/// arm. Deterministic, does not allocate.
+/// With a dead time of n + f periods, 0 < f < 1, each period k has two parts: q_cmd[k - n - 1] acts for the
+/// fraction f of the period, then q_cmd[k - n] acts. Between two steps the command is constant (zero-order
+/// hold), so the equation's closed-form solution advances the state. It is exact except for rounding, for any
+/// period, while no limit acts. If |q'| or |q''| would exceed its limit, the step uses a constant
+/// acceleration that respects both limits. Forces on the tool do not deflect the arm. Deterministic, does not
+/// allocate.
 class ServoArm {
  public:
   static constexpr int kMaxDeadCycles = 32;
@@ -46,19 +48,20 @@ class ServoArm {
   [[nodiscard]] const kinematics::JointVector& qd() const OSTEON_RT { return qd_; }  ///< [rad/s]
 
  private:
-  // A stretch of a period in which one command acts.
+  // A part of a period in which one command acts.
   struct Part {
     double duration_s{0.0};
-    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};  // matrix for (q - q_cmd, q')
+    // transition matrix of (q - q_cmd, q') over the part
+    Eigen::Matrix2d transition{Eigen::Matrix2d::Identity()};
   };
   // Advances all joints by this part of a period toward the target, within the limits.
   void Advance(const Part& part, const kinematics::JointVector& target) OSTEON_RT;
 
   double max_acceleration_rad_per_s2_;
   kinematics::JointVector max_speed_rad_per_s_;
-  Part first_, second_;  // second_ has no duration where the dead time is whole
+  Part first_, second_;  // second_ has no duration if the dead time is a whole number of periods
   kinematics::JointVector q_, qd_;
-  std::array<kinematics::JointVector, kMaxDeadCycles + 1> delay_;  // commands, oldest at next_
+  std::array<kinematics::JointVector, kMaxDeadCycles + 1> delay_;  // ring of commands; next_ is the oldest
   std::size_t delay_size_{1}, next_{0};
 };
 

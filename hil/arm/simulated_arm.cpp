@@ -7,7 +7,7 @@ namespace {
 
 using kinematics::JointVector;
 
-// An arm that forces do not deflect: its external torque is J^T F of the tool's present wrench.
+// An arm that forces do not deflect. Its external torque is J^T F of the present wrench on the tool.
 class StiffArm : public SimulatedArm {
  public:
   StiffArm(const kinematics::LbrParams& lbr, const Vector3& p_FT_m) : arm_(lbr), p_FT_m_(p_FT_m) {}

@@ -11,17 +11,17 @@ namespace osteon::hil {
 
 struct SimulatedArmParams {
   ArmLevel level{ArmLevel::kServo};
-  kinematics::LbrParams lbr{};  ///< kKinematic, kServo
-  ServoArmParams servo{};       ///< kServo
-  DynamicArmParams dynamic{};   ///< kDynamic
-  /// kDynamic: the same arm with masses, including the load on its flange.
+  kinematics::LbrParams lbr{};  ///< for kKinematic and kServo
+  ServoArmParams servo{};       ///< for kServo
+  DynamicArmParams dynamic{};   ///< for kDynamic
+  /// For kDynamic: the same arm as lbr, with masses; includes the load on its flange.
   kinematics::ChainParams<7> chain{};
   Vector3 gravity_B_m_per_s2{kinematics::kGravity_W_m_per_s2};
-  Vector3 p_FT_m{Vector3::Zero()};  ///< the motion's centre, in the flange's frame
+  Vector3 p_FT_m{Vector3::Zero()};  ///< the motion's centre (the tool), in the flange's frame
   kinematics::JointVectorN<7> q_start{kinematics::JointVectorN<7>::Zero()};
 };
 
-/// @throws std::invalid_argument from the level's own arm.
+/// @throws std::invalid_argument from the constructor of the level's arm.
 [[nodiscard]] std::unique_ptr<SimulatedArm> MakeSimulatedArm(const SimulatedArmParams& params,
                                                              double period_s);
 

@@ -9,9 +9,9 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kFullScale_counts = 30000.0;  // gauge value for a load at the range of its own axis
+constexpr double kFullScale_counts = 30000.0;  // value of gauge i for a load at the range of axis i
 
-// The value's four bytes, the highest first; of a float, the bytes of its bits.
+// Returns the value's four bytes, the highest first; for a float, the bytes of its bit pattern.
 std::array<int, 4> BigEndian(std::uint32_t value) {
   return {static_cast<int>(value / 16777216), static_cast<int>(value / 65536 % 256),
           static_cast<int>(value / 256 % 256), static_cast<int>(value % 256)};
@@ -24,14 +24,16 @@ std::array<int, 4> BigEndian(float value) {
   return BigEndian(bits);
 }
 
-// A gauge value as it is sent: an i16, clamped to its range, high byte first.
+// Returns a gauge value in the format in which it is sent: an i16, clamped to the type's range, high byte
+// first.
 std::array<int, 2> TwoBytes(double gauge) {
   const int raw = static_cast<int>(std::lround(std::clamp(gauge, -32768.0, 32767.0)));
   const int on_the_wire = raw < 0 ? raw + 65536 : raw;
   return {on_the_wire / 256, on_the_wire % 256};
 }
 
-// The gauges have a range, not the axes, so the model itself does not clamp.
+// Removes the axes' ranges: this sensor's gauges saturate, not its axes, so the model must not clamp the
+// load.
 SensorModelParams WithoutClamp(SensorModelParams params) {
   params.range_N = params.range_Nm = 1e9;
   return params;
@@ -45,8 +47,8 @@ AtiDevice::AtiDevice(const AtiDeviceParams& params) : params_(params), model_(Wi
                                 ", accepted 0 … 127");
   if (params.counts_per_N == 0 || params.counts_per_Nm == 0)
     throw std::invalid_argument("ATI sensor: counts a unit: accepted more than 0");
-  // The matrix is diagonally dominant, so it can be inverted, and full, so that every gauge affects every
-  // axis. Its elements are rounded to float, as they are sent.
+  // The calibration matrix is diagonally dominant, so it can be inverted, and almost full, so that each gauge
+  // affects several axes. Its elements are rounded to float, the format in which they are sent.
   for (int row = 0; row < 6; ++row) {
     const double range =
         row < 3 ? params.model.range_N * params.counts_per_N : params.model.range_Nm * params.counts_per_Nm;
@@ -101,7 +103,7 @@ void AtiDevice::QueueReading(rt::Nanoseconds now) noexcept {
     counts[i] =
         sample.value[static_cast<std::size_t>(i)] * (i < 3 ? params_.counts_per_N : params_.counts_per_Nm);
   const Eigen::Matrix<double, 6, 1> gauges = inverse_ * counts;
-  // two frames: status and gauges 0, 2, 4; then gauges 1, 3, 5
+  // first frame: status and gauges 0, 2, 4; second frame: gauges 1, 3, 5
   const auto g = [&gauges](int i) { return TwoBytes(gauges[i]); };
   const int status = status_ == 0 ? 0 : status_ | 0x8000;  // bit 15: any error
   const auto first = static_cast<std::uint16_t>(16 * params_.base);

@@ -15,16 +15,17 @@ struct AtiDeviceParams {
   SensorModelParams model{.range_N = 660.0, .range_Nm = 60.0};  ///< gauges saturate 9 % beyond these ranges
   int base{0x20};
   std::uint32_t counts_per_N{1'000'000}, counts_per_Nm{1'000'000};
-  int force_unit{2},
-      torque_unit{3};  ///< unit codes in its reply; N and N·m. Counts always refer to N and N·m
+  int force_unit{2}, torque_unit{3};  ///< unit codes that the device reports; defaults: N and N·m. The counts
+                                      ///< refer to N and N·m in any case
 };
 
 /// Simulates an ATI NETCANOEM force sensor: six strain gauges, mixed by a calibration matrix. Written
-/// independently of io/can. Gauge values are the inverse of the calibration matrix, which the device reports,
-/// times the load.
+/// independently of io/can. The device reports the matrix; its gauge values are the matrix's inverse times
+/// the load.
 class AtiDevice final : public io::CanClient {
  public:
-  /// @throws std::invalid_argument on a base outside 0 … 0x7F, counts of 0, or from the model.
+  /// @throws std::invalid_argument on a base identifier outside 0 … 0x7F, counts of 0, or a parameter that
+  /// the sensor model does not accept.
   explicit AtiDevice(const AtiDeviceParams& params);
 
   /// Sets the load on the tool side at S, in S, from now on.

@@ -14,12 +14,14 @@ constexpr int kPreOperational = 127, kOperational = 5, kStopped = 4;  // NMT sta
 constexpr int kBlocked = 0x7121, kHeartbeatError = 0x8130;            // error codes of CiA 402 and CiA 301
 constexpr int kGenericError = 0x01;  // bit 0 of the error register, which every device has
 constexpr double kStep_s = 1e-4;     // integration step of the motor
-// Longest time by which one call advances the motor: after a longer pause the rest is skipped.
+// Longest time by which one call advances the motor. After a longer pause between calls, the additional time
+// is skipped.
 constexpr rt::Nanoseconds kLongest = 100 * rt::kMillisecond;
 constexpr double kAtRest_rad_per_s = 0.1;  // below this speed the motor counts as at rest
-constexpr int kProfileVelocity = 3;        // modes of 6060
+constexpr int kProfileVelocity = 3;        // modes of operation (object 6060)
 constexpr int kCyclicVelocity = 9;
-// Option codes of 605A and 605E. 5 and 6 brake as 1 and 2, and stay in quick stop active.
+// Option codes of objects 605A and 605E. Codes 5 and 6 brake like 1 and 2, and the drive then stays in quick
+// stop active.
 constexpr int kCoast = 0, kSlowDownRamp = 1, kQuickStopRamp = 2;
 constexpr int kSlowDownAndStay = 5, kQuickStopAndStay = 6;
 
@@ -57,7 +59,7 @@ std::vector<DictionaryEntry> Dictionary(const DriveDeviceParams& params) {
       {.index = 0x60FF, .writable = true, .mappable = true},  // target velocity [rpm]
       {.index = 0x3201, .sub = 1, .bytes = 2, .mappable = true, .value = 250},  // temperature
   };
-  // PDOs as delivered by the maker: enabled, mapped to statusword or controlword alone, without SYNC.
+  // PDOs in their default state: enabled, mapped to statusword or controlword only, not synchronised by SYNC.
   const struct {
     int communication, mapping;
     std::uint32_t id, object;
@@ -154,7 +156,8 @@ bool DriveDevice::InVelocityWindow() const noexcept {
   return std::abs(difference_rpm) <= static_cast<long>(objects_.Get(0x606D));
 }
 
-// The window is checked again here, since a new target must change the bit at once.
+// Returns bit 10 of the statusword. The velocity window is checked here too, because a new target must clear
+// the bit at once.
 bool DriveDevice::TargetReached() const noexcept {
   if (state_ == State::kQuickStop) return StaysInQuickStop() && AtRest();
   return state_ == State::kEnabled && objects_.GetSigned(0x6060) == kProfileVelocity && InVelocityWindow() &&
@@ -165,7 +168,7 @@ void DriveDevice::StartQuickStop() noexcept {
   state_ = objects_.GetSigned(0x605A) == kCoast ? State::kDisabled : State::kQuickStop;
 }
 
-// Steps the state machine of CiA 402 by a controlword.
+// Advances the state machine of CiA 402 according to a received controlword.
 void DriveDevice::HandleControlword(int word) noexcept {
   const bool on = word & 1, voltage = word & 2, no_quick_stop = word & 4, enable = word & 8;
   const bool reset_edge = (word & 0x80) != 0 && (last_control_ & 0x80) == 0;
@@ -199,7 +202,7 @@ void DriveDevice::HandleControlword(int word) noexcept {
   }
 }
 
-// Enters the fault at once, or after braking where 605E asks for it.
+// Enters the fault state: at once, or after braking if the motor is powered and 605E demands braking.
 void DriveDevice::Trip(int error_code) noexcept {
   if (state_ == State::kFault || state_ == State::kFaultReaction || state_ == State::kNotReady) return;
   const bool powered = state_ == State::kEnabled || state_ == State::kQuickStop;
@@ -221,8 +224,8 @@ void DriveDevice::HandleNmtCommand(int command) noexcept {
   if (command == 0x81 || command == 0x82) Boot();
 }
 
-// Returns the SDO abort code for a write that is not allowed in the present state, else 0. A mapped object is
-// coded as index (16 bits), sub-index (8 bits) and length in bits (8 bits).
+// Returns the SDO abort code if a write is not allowed in the present state or has an invalid value,
+// otherwise 0. A mapped object is coded as index (16 bits), sub-index (8 bits) and length in bits (8 bits).
 std::uint32_t DriveDevice::ValidateWrite(void* self, const DictionaryEntry& entry, std::uint32_t value) {
   constexpr std::uint32_t kNotNow = 0x08000022, kRange = 0x06090030, kNotMappable = 0x06040041,
                           kTooLong = 0x06040042;
@@ -274,7 +277,8 @@ void DriveDevice::Accept(const io::CanArrival& arrival) OSTEON_RT {
   if (frame.id == objects_.Get(0x1400, 1)) {
     rpdo_ = frame;
     rpdo_fresh_ = true;
-    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();  // event-driven: without waiting for SYNC
+    // transmission type 254 or 255: event-driven, takes effect without SYNC
+    if (objects_.Get(0x1400, 2) >= 254) HandleRpdo();
   } else if (frame.id == 0x080) {
     if (rpdo_fresh_) HandleRpdo();
     for (const int number : {0, 1}) SendTpdo(number);
@@ -305,7 +309,7 @@ void DriveDevice::HandleRpdo() noexcept {
   if (has_controlword) HandleControlword(static_cast<int>(objects_.Get(0x6040)));
 }
 
-// Queues a PDO with the present values of its objects, if it is on and cyclic.
+// Queues a PDO with the present values of its mapped objects, if the PDO is enabled and cyclic.
 void DriveDevice::SendTpdo(int number) noexcept {
   const std::uint32_t id = objects_.Get(0x1800 + number, 1);
   if (id >= 0x80000000u || objects_.Get(0x1800 + number, 2) != 1) return;
@@ -319,7 +323,7 @@ void DriveDevice::SendTpdo(int number) noexcept {
     for (std::uint32_t i = 0; i < entry % 256 / 8 && size < 8; ++i, value /= 256)
       bytes[size++] = static_cast<int>(value % 256);
   }
-  // FrameQueue::Push takes an initializer list, so each possible size needs a call of its own.
+  // FrameQueue::Push takes an initializer list, so each size that occurs needs its own call.
   const auto cob = static_cast<std::uint16_t>(id);
   const auto& b = bytes;
   if (size == 2) queue_.Push(cob, {b[0], b[1]});
@@ -370,7 +374,7 @@ void DriveDevice::AdvanceTo(rt::Nanoseconds now) noexcept {
   for (; now - time_ >= step; time_ += step) StepMotor(kStep_s);
 }
 
-// The object of the ramp by which the drive comes to rest: 6084 or 6085.
+// Index of the object with the deceleration of the present stop: 6084 or 6085.
 int DriveDevice::StopRamp() const noexcept {
   const int option = objects_.GetSigned(state_ == State::kQuickStop ? 0x605A : 0x605E);
   return option == kSlowDownRamp || option == kSlowDownAndStay ? 0x6084 : 0x6085;

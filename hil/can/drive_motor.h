@@ -2,17 +2,17 @@
 
 namespace osteon::hil {
 
-/// A velocity-controlled motor behind a gear. Angles and torques are on the motor's side.
+/// Parameters of a velocity-controlled motor with a gear. Angles and torques are on the motor's side.
 struct DriveMotorParams {
-  double inertia_kg_m2{2e-4};      ///< motor, gear and tool, referred to the motor
-  double rated_torque_Nm{0.5};     ///< of the motor
-  double torque_limit_ratio{3.0};  ///< of the rated torque
-  double gear_ratio{20.0};         ///< turns of the motor for each turn of the tool
-  double bandwidth_hz{20.0};       ///< of the velocity loop
+  double inertia_kg_m2{2e-4};      ///< inertia of motor, gear and tool, referred to the motor
+  double rated_torque_Nm{0.5};     ///< rated torque of the motor
+  double torque_limit_ratio{3.0};  ///< largest torque, as a multiple of the rated torque
+  double gear_ratio{20.0};         ///< turns of the motor per turn of the tool
+  double bandwidth_hz{20.0};       ///< bandwidth of the velocity loop
 };
 
-/// `J w' = tau - load sign(w)`, tau from a PI loop on the speed, limited. The load only brakes: at rest it
-/// withstands any torque up to its own value.
+/// Model of the motor: `J w' = tau - load sign(w)`. A PI loop on the speed computes tau, which is limited.
+/// The load only brakes: at rest it holds against any torque up to its own value.
 class DriveMotor {
  public:
   /// @throws std::invalid_argument on a value that is not positive.
@@ -20,7 +20,7 @@ class DriveMotor {
 
   /// @param load_Nm braking torque at the motor, >= 0.
   void Step(double dt_s, double target_rad_per_s, double load_Nm) noexcept;
-  /// Advances without motor torque: only the load brakes.
+  /// Advances by dt_s without motor torque: only the load brakes.
   void Coast(double dt_s, double load_Nm) noexcept;
 
   [[nodiscard]] double speed_rad_per_s() const { return speed_; }

@@ -5,7 +5,7 @@
 namespace osteon::hil {
 namespace {
 
-// Abort codes of SDO (CiA 301).
+// SDO abort codes (CiA 301).
 constexpr std::uint32_t kNoObject = 0x06020000, kNoSub = 0x06090011, kReadOnly = 0x06010002,
                         kLength = 0x06070010, kCommand = 0x05040001;
 
@@ -68,7 +68,8 @@ bool ObjectDictionary::Serve(const io::CanFrame& request, std::uint16_t answer_i
     return abort(known ? kNoSub : kNoObject);
   }
   if (read) {
-    const int unused = 4 - entry->bytes;  // bytes of the answer's value: bits 2 and 3 of its command
+    // number of unused bytes of the answer's value, which its command holds in bits 2 and 3
+    const int unused = 4 - entry->bytes;
     Answer(out, answer_id, 0x43 + 4 * unused, index, sub, entry->value);
     return false;
   }

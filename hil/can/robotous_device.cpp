@@ -11,7 +11,8 @@ namespace {
 constexpr std::array<int, 9> kRateHz{200, 10, 20, 50, 100, 200, 300, 500, 1000};
 constexpr std::array<int, 15> kCutoffHz{0, 1, 2, 3, 5, 10, 20, 30, 40, 50, 100, 150, 200, 300, 500};
 constexpr int kErrorUnsupported = 1, kErrorRange = 2;
-constexpr rt::Nanoseconds kCatchUp = 50 * rt::kMillisecond;  // the schedule restarts if it is behind by more
+// if the next reading is overdue by more than this, the schedule restarts
+constexpr rt::Nanoseconds kCatchUp = 50 * rt::kMillisecond;
 
 }  // namespace
 
@@ -27,7 +28,7 @@ void RobotousDevice::SetFaults(const RobotousDeviceFaults& faults) {
   faults_ = faults;
 }
 
-// Queues a reply of 16 bytes: the echoed command, a and b; the others are 0.
+// Queues a reply of 16 bytes: the echoed command, a and b; the remaining bytes are 0.
 void RobotousDevice::Reply(int echo, int a, int b) noexcept {
   queue_.Push(static_cast<std::uint16_t>(params_.first_id), {echo, a, b, 0, 0, 0, 0, 0});
   queue_.Push(static_cast<std::uint16_t>(params_.second_id), {0, 0, 0, 0, 0, 0, 0, 0});
@@ -94,7 +95,7 @@ void RobotousDevice::QueueReading(int echo, rt::Nanoseconds now) noexcept {
   Values value = sample.value;
   if (filter_on_ == 1 && filter_code_ > 0 && !low_pass_fresh_) {
     const int hz = kRateHz[static_cast<std::size_t>(rate_code_)];
-    // low pass of first order
+    // first-order low-pass filter
     const double share =
         1.0 - std::exp(-2.0 * std::numbers::pi * kCutoffHz[static_cast<std::size_t>(filter_code_)] / hz);
     for (std::size_t i = 0; i < 6; ++i) value[i] = low_passed_[i] + share * (value[i] - low_passed_[i]);

@@ -17,23 +17,25 @@ struct RobotousDeviceParams {
 
 /// Faults of the device.
 struct RobotousDeviceFaults {
-  bool silent{false};           ///< no supply: forgets its settings, answers nothing
-  bool keeps_its_rate{false};   ///< confirms a new rate but keeps the old one; a read returns the old one
-  bool lies_about_rate{false};  ///< a read returns the requested rate, but readings are sent at 200 Hz
-  int refuse_code{0};           ///< the command that is answered with the error "not supported"
+  bool silent{false};          ///< no supply: the device loses its settings and sends nothing
+  bool keeps_its_rate{false};  ///< the device confirms a new rate but keeps the old rate; a read of the rate
+                               ///< returns the old one
+  /// A read of the rate returns the requested rate, but readings are sent at 200 Hz.
+  bool lies_about_rate{false};
+  int refuse_code{0};  ///< the command that is answered with the error "not supported"
 };
 
 /// Simulates a Robotous RFT force sensor: the sensor's end of the protocol, written independently of io/can.
 ///
-/// Behaviour by the manual: nothing is sent until "start"; while the sensor sends, it hears only the commands
-/// "stop" and "bias"; it keeps rate (at first 200 Hz) and low-pass (at first off), but not the bias. The
-/// fault `silent` clears all three here. Commands of this model: set and read filter, read once, start, stop,
-/// set and read rate, bias, overload count.
+/// Behaviour by the manual: nothing is sent until "start"; while the sensor sends readings, it accepts only
+/// the commands "stop" and "bias". The real sensor stores rate (default 200 Hz) and low-pass filter (default
+/// off) without supply, but not the bias; in this model the fault `silent` clears all three. Commands of this
+/// model: set and read filter, read once, start, stop, set and read rate, bias, overload count.
 ///
-/// A CanPump runs the device over a bus, as any CanClient.
+/// A CanPump exchanges the device's frames with a bus, as for any CanClient.
 class RobotousDevice final : public io::CanClient {
  public:
-  /// @throws std::invalid_argument from the model.
+  /// @throws std::invalid_argument from SensorModel.
   explicit RobotousDevice(const RobotousDeviceParams& params);
 
   /// Sets the load on the tool side at S, in S, from now on.
@@ -63,7 +65,7 @@ class RobotousDevice final : public io::CanClient {
   Values low_passed_{};  // the last reading after the filter
   bool low_pass_fresh_{true};
   std::array<int, 6> overloads_{};
-  rt::Nanoseconds due_{0};  // of the next reading
+  rt::Nanoseconds due_{0};  // time of the next reading
   std::uint64_t readings_{0};
 };
 

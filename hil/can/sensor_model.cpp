@@ -13,8 +13,8 @@ SensorModel::SensorModel(const SensorModelParams& params) : params_(params), ran
     throw std::invalid_argument("sensor model: accepted noise >= 0 and range > 0");
 }
 
-// A standard normal number by the Box-Muller method, so that readings do not depend on the library's
-// distribution.
+// Returns a standard normal random number. It uses the Box-Muller method so that readings do not depend on
+// the standard library's implementation of std::normal_distribution.
 double SensorModel::Normal() noexcept {
   const double u = (static_cast<double>(random_()) + 1.0) / 4294967297.0;
   const double v = static_cast<double>(random_()) / 4294967296.0;

@@ -3,7 +3,7 @@
 namespace osteon::hil {
 namespace {
 
-// Makes the sensor that fits its parameters.
+// Makes the sensor of the make that the parameters are for.
 struct MakeSensor {
   using Any = std::variant<RobotousDevice, AtiDevice>;
   Any operator()(const RobotousDeviceParams& params) const { return RobotousDevice(params); }

@@ -12,16 +12,16 @@ namespace osteon::hil {
 
 using SensorDeviceParams = std::variant<RobotousDeviceParams, AtiDeviceParams>;
 
-/// The devices on a simulated cell's CAN buses.
+/// Parameters of the devices on a simulated cell's CAN buses.
 struct SimulatedDeviceParams {
   SensorDeviceParams sensor;
   std::optional<DriveDeviceParams> drive;
 };
 
-/// The force sensor, of either make, and the reamer drive.
+/// The force sensor (ATI or Robotous) and the reamer drive.
 class SimulatedDevices {
  public:
-  /// @throws std::invalid_argument from the devices.
+  /// @throws std::invalid_argument from the devices' constructors.
   explicit SimulatedDevices(const SimulatedDeviceParams& params);
 
   /// Sets the load on the sensor's tool side at S, in S, from now on.

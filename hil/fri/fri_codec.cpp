@@ -11,7 +11,8 @@ namespace {
 using io::FriFamily;
 
 constexpr double kMmPerM = 1e3;
-constexpr std::size_t kHead = 4, kTail = 4;      // bytes around a framed message: its length; its CRC-32
+// bytes before a framed message (its length) and after it (its CRC-32)
+constexpr std::size_t kHead = 4, kTail = 4;
 constexpr const char* kMotionCentre = "flange";  // name of the frame of the arm's poses
 
 void FillJoints(const control::JointArray& from, fri::JointValues& to) {
@@ -19,7 +20,8 @@ void FillJoints(const control::JointArray& from, fri::JointValues& to) {
   for (const double v : from) to.add_value(v);
 }
 
-// Bit by bit, from the definition: io uses zlib's, so that each checks the other.
+// Computes the CRC-32 bit by bit, from its definition. io/ uses zlib's function, so the two implementations
+// check each other.
 std::uint32_t Crc32(std::span<const std::uint8_t> bytes) {
   std::uint32_t crc = 0xffffffffu;
   for (const std::uint8_t byte : bytes) {
@@ -29,7 +31,7 @@ std::uint32_t Crc32(std::span<const std::uint8_t> bytes) {
   return ~crc;
 }
 
-// PutWord and ReadWord: the lowest byte first.
+// PutWord and ReadWord write and read a 32-bit number, the lowest byte first.
 void PutWord(std::uint32_t value, std::uint8_t* to) {
   for (int i = 0; i < 4; ++i) to[i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
@@ -40,7 +42,7 @@ std::uint32_t ReadWord(const std::uint8_t* from) {
   return value;
 }
 
-// The message without its frame; empty if the frame is wrong (an empty message has no header).
+// Returns the message without its frame; empty if the frame is wrong (a valid message is never empty).
 std::span<const std::uint8_t> RemoveFrame(std::span<const std::uint8_t> datagram) {
   if (datagram.size() <= kHead + kTail) return {};
   const auto body = datagram.subspan(kHead, datagram.size() - kHead - kTail);
@@ -59,7 +61,7 @@ void PutPose(const Pose& X, fri::Transformation& to) {
     to.add_element(element);
 }
 
-// Redundancy, given by the angle of the redundant joint A3.
+// Sets the redundancy information: the angle of the redundant joint A3.
 void PutRedundancy(const control::JointArray& q, fri::Redundancy& to) {
   to.set_strategy(0);
   to.set_value(q[2]);
@@ -148,7 +150,8 @@ std::span<const std::uint8_t> FriCodec::Encode(const FriMonitoring& c) {
 }
 
 bool FriCodec::Parse(std::span<const std::uint8_t> body) {
-  // parse as "partial", then check completeness: the strict call writes to stderr for any foreign datagram
+  // Parse as "partial", then check that required fields are present, because the strict parse function writes
+  // to stderr if they are missing.
   fri::CommandMessage& m = messages_->command;
   return !body.empty() && m.ParsePartialFromArray(body.data(), static_cast<int>(body.size())) &&
          m.IsInitialized() && m.header().message_identifier() == kFriCommandId;
@@ -164,7 +167,7 @@ std::optional<FriCommand> FriCodec::Decode(std::span<const std::uint8_t> datagra
   command.reflected_sequence = m.header().reflected_sequence_counter();
   if (!m.has_command_data()) return command;
   const fri::CommandData& data = m.command_data();
-  // copies as many values as there is room for; returns how many were sent
+  // copies as many values as fit; returns the number of values in the message
   const auto copy_values = [](const auto& values, auto& to) {
     std::copy_n(values.begin(), std::min<std::size_t>(static_cast<std::size_t>(values.size()), to.size()),
                 to.begin());

@@ -20,8 +20,8 @@ inline constexpr std::size_t kFriMaxDatagram = 1500;
 inline constexpr std::uint32_t kFriMonitoringId = 0x245142;
 inline constexpr std::uint32_t kFriCommandId = 0x34001;
 
-/// Content of a monitoring message, as plain data. Joints in rad and N·m. Fields that a version does not have
-/// are not sent.
+/// Content of a monitoring message, as plain data. Joints in rad and N·m. Fields that the protocol version
+/// does not have are not sent.
 struct FriMonitoring {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
@@ -34,8 +34,9 @@ struct FriMonitoring {
   std::uint32_t send_period_ms{1};
   std::uint32_t receive_multiplier{1};
   control::JointArray q_meas{}, tau_meas{}, q_cmd{}, tau_cmd{}, tau_ext{};
-  std::array<double, 6> wire_force{};  ///< external, in the wire's order; 2.7
-  PlainPose X_meas{}, X_ipo{};         ///< of the motion centre, in the robot's base; 2.x
+  /// External wrench in the wire's order of elements; only in version 2.7.
+  std::array<double, 6> wire_force{};
+  PlainPose X_meas{}, X_ipo{};  ///< poses of the motion centre, in the robot's base; only in versions 2.x
   /// True in commanding states: q_ipo, the command mode and overlay JOINT are sent.
   bool has_ipo{false};
   control::CommandMode command_mode{control::CommandMode::kPosition};
@@ -49,15 +50,16 @@ struct FriCommand {
   std::uint32_t sequence{0};
   std::uint32_t reflected_sequence{0};
   bool has_joint_position{false}, has_wrench{false}, has_torque{false};
-  int joint_count{0}, wrench_count{0}, torque_count{0};  ///< as sent; the arrays hold the first seven or six
-  control::JointArray q{};                               ///< [rad]
-  std::array<double, 6> wire_wrench{};                   ///< N, N·m in the wire's order
-  control::JointArray tau{};                             ///< [N·m]
+  /// Numbers of values in the message; the arrays below hold the first seven or six.
+  int joint_count{0}, wrench_count{0}, torque_count{0};
+  control::JointArray q{};              ///< [rad]
+  std::array<double, 6> wire_wrench{};  ///< [N, N·m], in the wire's order of elements
+  control::JointArray tau{};            ///< [N·m]
 };
 
-/// Writes monitoring messages and reads command messages with libprotobuf; for 2.7 it adds a frame with a
-/// CRC-32 of its own. Message objects are reused, so nothing is allocated after the first message of each
-/// kind (a malformed message may cause an allocation again).
+/// Writes monitoring messages and reads command messages with libprotobuf; for version 2.7 it adds a frame
+/// (length and CRC-32), computed by its own code. Message objects are reused, so after the first message of
+/// each kind only a malformed message may cause an allocation.
 class FriCodec {
  public:
   explicit FriCodec(io::FriVersion version = io::FriVersion::k1_15);
@@ -65,19 +67,19 @@ class FriCodec {
   FriCodec(FriCodec&&) noexcept;
   FriCodec& operator=(FriCodec&&) noexcept;
 
-  /// The datagram; valid until the next call.
+  /// Returns the datagram; valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> Encode(const FriMonitoring& content);
 
   /// Empty if the bytes are not a complete command message (too long, undecodable, a required field missing,
-  /// a wrong id, or framed otherwise than the version demands).
+  /// a wrong id, or a frame that is not that of the version).
   [[nodiscard]] std::optional<FriCommand> Decode(std::span<const std::uint8_t> datagram);
 
-  /// Whether Decode refused this datagram for its frame alone: the client speaks another version.
+  /// Whether this datagram would be a command message with the frame of another version.
   [[nodiscard]] bool IsOfOtherVersion(std::span<const std::uint8_t> datagram);
 
  private:
   struct Messages;
-  // Parses a message without its frame into messages_. False unless it is a complete command message.
+  // Parses a message without its frame into messages_. Returns true if it is a complete command message.
   [[nodiscard]] bool Parse(std::span<const std::uint8_t> body);
 
   io::FriFamily family_;

@@ -4,19 +4,19 @@
 
 namespace osteon::hil {
 
-/// The arm's safety state and drives. A stop switches the drives off at once. After its acknowledgement they
-/// take start_s to become active.
+/// The arm's safety state and drives. A stop switches the drives off at once. After the stop is acknowledged,
+/// the drives take start_s to become active.
 ///
 ///     ACTIVE ──Stop(level)──▶ OFF ──Acknowledge()──▶ TRANSITIONING ──start_s──▶ ACTIVE
 ///
-/// Numbers as on the wire.
+/// Enumerators and levels have the numbers that FRI uses.
 class FriDrives {
  public:
   enum class State : std::uint8_t { kOff = 0, kTransitioning = 1, kActive = 2 };
 
   explicit FriDrives(double start_s) : start_s_(start_s) {}
 
-  /// @param level 0 … 2, as STOP_LEVEL_0 … 2.
+  /// @param level 0 … 2: FRI's STOP_LEVEL_0 … 2.
   void Stop(int level) {
     safety_ = static_cast<std::uint8_t>(level + 1);
     state_ = State::kOff;

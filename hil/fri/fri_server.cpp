@@ -15,8 +15,9 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-constexpr int kGood = 2;           // LinkQuality::level() of GOOD
-constexpr int kIdleMessages = 10;  // sent in IDLE; the number that an arm sends is not published
+constexpr int kGood = 2;  // value of LinkQuality::level() for GOOD
+// number of messages sent in IDLE; the number that a real arm sends is not published
+constexpr int kIdleMessages = 10;
 constexpr int kWrenchSize = 6;
 
 // Throws std::invalid_argument unless accepted.
@@ -31,7 +32,7 @@ control::JointArray ToArray(const JointVector& q) {
   return array;
 }
 
-// Answers due in one second. Throws where the period is not accepted.
+// Returns the number of answers due in one second. Throws if the send period is not accepted.
 int AnswersPerSecond(const FriServerParams& params) {
   Require(params.send_period_ms >= 1 && params.send_period_ms <= 100, "send_period_ms", params.send_period_ms,
           "1 … 100");
@@ -56,7 +57,7 @@ void RequireCommandMode(CommandMode mode) {
           "command_mode", static_cast<double>(mode), "1 (POSITION), 2 (WRENCH), 3 (TORQUE)");
 }
 
-// Force, then torque about x, y, z or about z, y, x.
+// Converts a wrench to the wire's order: force, then torque about x, y, z or about z, y, x.
 std::array<double, 6> ToWire(const PlainWrench& F, bool torques_zyx) {
   return torques_zyx ? std::array{F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x}
                      : std::array{F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
@@ -158,8 +159,8 @@ bool FriServer::Receive(std::span<const std::uint8_t> datagram) {
     if (!command && codec_.IsOfOtherVersion(datagram)) ++counters_.other_version;
     return false;
   }
-  // Counters wrap at 2^32, so the age is a difference. More than half the range means a future message, so
-  // the reflected number is invented.
+  // Sequence numbers wrap at 2^32, so the age in messages is an unsigned difference. If it exceeds half the
+  // range, the reflected number belongs to no message sent so far, and the answer is invalid.
   const std::uint32_t messages_ago = sequence_ - command->reflected_sequence;
   if (messages_ago > 0x7fffffffu) {
     ++counters_.malformed;
@@ -190,7 +191,8 @@ void FriServer::CountClientSequence(std::uint32_t sequence) {
     counters_.client_gap += step - 1;
 }
 
-// Counts a motion that is commanded outside the commanding states: it is dropped silently, as on real arms.
+// Counts an answer that commands a motion outside the commanding states. Such a motion is ignored silently,
+// as on real arms.
 void FriServer::CountIgnored() {
   if (!has_pending_ || Commanding() || !pending_.has_joint_position) return;
   const auto q = Eigen::Map<const JointVector>(pending_.q.data());
@@ -255,7 +257,7 @@ std::span<const std::uint8_t> FriServer::BeginCycle(const ArmMeasurement& measur
   m.q_cmd = ToArray(q_commanded_);
   q_measured_ = measured.q;
   X_measured_ = measured.X_BC;
-  // low pass of first order
+  // first-order low-pass filter
   if (params_.external_torque_cutoff_hz > 0.0)
     tau_estimated_ +=
         (1.0 - std::exp(-2.0 * std::numbers::pi * params_.external_torque_cutoff_hz * period_s())) *
@@ -378,7 +380,8 @@ void FriServer::ApplyCommand() {
   cycles_since_command_ = 0;
 }
 
-// Applies the wrench or torque of the present mode. False if this stopped the arm.
+// Applies the wrench or torque overlay that the command mode requires. Returns false if invalid values caused
+// a safety stop.
 bool FriServer::ApplyOverlay() {
   if (params_.command_mode == CommandMode::kWrench) {
     if (pending_.wrench_count != kWrenchSize) {

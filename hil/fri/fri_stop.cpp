@@ -5,7 +5,7 @@
 namespace osteon::hil {
 namespace {
 
-// Name of a control mode by its number, as in StopReport::found and accepted.
+// Name of a control mode, given its number as stored in StopReport::found and accepted.
 const char* ModeName(double mode) {
   return mode < 0.5 ? "POSITION" : mode < 1.5 ? "CARTESIAN_IMPEDANCE" : mode < 2.5 ? "JOINT_IMPEDANCE" : "NO";
 }

@@ -5,31 +5,34 @@
 
 namespace osteon::hil {
 
-/// Why the arm ended commanding, did not begin it, or closed the session.
+/// Reason why the arm ended commanding, did not begin it, or closed the session.
 enum class StopReason : std::uint8_t {
   kNone,
-  kQualityTimeout,  ///< the session closes
-  kLostInARow,      ///< the arm holds; back to monitoring
-  kLostPerSecond,   ///< the same
-  /// The program asks for a command mode that the control mode does not offer; stays in monitoring.
+  kQualityTimeout,  ///< the quality did not become GOOD in time: the session closes
+  kLostInARow,  ///< too many consecutive answers lost: the arm holds its position and returns to monitoring
+  kLostPerSecond,  ///< too many answers lost in a second: the arm reacts in the same way
+  /// The program requests a command mode that the present control mode does not allow: the arm stays in
+  /// monitoring.
   kControlMode,
-  kEmergencyStop,  ///< this and the following are safety stops: the drives go off until it is acknowledged
+  kEmergencyStop,  ///< this and the following reasons are safety stops: the drives stay off until the stop is
+                   ///< acknowledged
   kNotMirrored,
   kCount,
   kNotFinite,
   kJointLimit,
   kJointStep,
   kAxisDelta,  ///< impedance control, commanded too far from the measured position: "illegal axis delta"
-  kPowerOff,   ///< the drives lost their power, which a PLC switches
+  kPowerOff,   ///< a PLC switched off the drives' power
 };
 
-/// The reason of a stop, with its figures.
+/// The reason of a stop, with the numbers that explain it.
 struct StopReport {
   StopReason reason{StopReason::kNone};
-  std::uint32_t sequence{0};  ///< of the last monitoring message before the stop
-  int joint{0};               ///< 1 … 7 if one joint is to blame, otherwise 0
-  double found{0.0};          ///< rad, answers, values or a mode's number, by reason
-  double accepted{0.0};       ///< the bound, in the same unit
+  std::uint32_t sequence{0};  ///< sequence number of the last monitoring message before the stop
+  int joint{0};               ///< 1 … 7 if one joint caused the stop, otherwise 0
+  /// Found value; by reason an angle [rad], a number of answers or values, or a mode's number.
+  double found{0.0};
+  double accepted{0.0};  ///< accepted value, in the same unit
 };
 
 /// Text for any arm whose drives have lost their power.

@@ -5,13 +5,13 @@
 
 namespace osteon::hil {
 
-/// When the simulated arm trusts the connection. KUKA publishes neither which losses cost which quality nor
-/// how many end COMMANDING. This explicit policy is ours and can be varied in tests. Reference points: iiQKA
-/// tolerates 5 lost in a row and 25 a second; Franka stops after 20 missed.
+/// Parameters of the simulated arm's connection quality. KUKA does not publish how losses determine the
+/// quality, nor how many losses end commanding. This policy is an assumption that tests can vary. For
+/// comparison: iiQKA tolerates 5 lost answers in a row and 25 a second; Franka stops after 20 missed ones.
 ///
-/// Counted over the answers due in the last second:
+/// The quality follows from the answers due in the last second:
 ///
-///     POOR       fewer than fair_after_answers, or end_after_lost_in_a_row missing at this moment
+///     POOR       fewer than fair_after_answers, or end_after_lost_in_a_row lost in a row just now
 ///     FAIR       at least fair_after_answers answered
 ///     GOOD       at least good_after_answers answered and at most good_max_lost_per_s lost
 ///     EXCELLENT  at least excellent_after_answers answered and none lost
@@ -20,14 +20,14 @@ struct QualityPolicyParams {
   int good_after_answers{50};
   int excellent_after_answers{90};
   int good_max_lost_per_s{10};
-  int end_after_lost_in_a_row{5};  ///< this many lost in a row end the commanding states
-  int end_after_lost_per_s{25};    ///< this many lost within a second end them as well
-  double good_timeout_s{10.0};     ///< an opened session that is not GOOD by then is closed
+  int end_after_lost_in_a_row{5};  ///< number of consecutive lost answers that ends the commanding states
+  int end_after_lost_per_s{25};    ///< number of lost answers within a second that ends the commanding states
+  double good_timeout_s{10.0};  ///< a session that has not been GOOD within this time after opening is closed
 };
 
 /// The outcome of one due answer.
 enum class Answer : std::uint8_t {
-  kExcused,  ///< none came, and the arm itself is to blame
+  kExcused,  ///< no answer came, and the arm itself was late
   kReceived,
   kLost,
 };
@@ -52,7 +52,7 @@ class LinkQuality {
 
  private:
   QualityPolicyParams params_;
-  int window_;                                // answers due in a second
+  int window_;                                // number of answers due in a second
   std::array<Answer, kMaxWindow> history_{};  // a ring of the last window_ answers
   int next_{0};
   int answered_{0}, lost_{0}, lost_in_a_row_{0};

@@ -13,7 +13,7 @@ namespace {
 constexpr double kLongest_s = 1e9;  // longer than any run, and still within the range of nanoseconds
 constexpr rt::Nanoseconds kLongestDelay = 10 * rt::kSecond;
 
-// Also of an infinite time: it is clamped.
+// Converts seconds to nanoseconds; a very long or infinite time is limited to kLongest_s.
 rt::Nanoseconds ToNanoseconds(double time_s) {
   return std::llround(std::clamp(time_s, -kLongest_s, kLongest_s) * 1e9);
 }
@@ -66,7 +66,7 @@ WireFaults FaultSchedule::At(rt::Nanoseconds now) const OSTEON_RT {
   WireFaults sum;
   const rt::Nanoseconds time = now - begun_at_;
   for (const Window& window : windows_) {
-    // before the schedule starts, only windows with a negative beginning act
+    // before the schedule starts, only windows whose beginning is negative are active
     if (begun_ ? time < window.from || time >= window.to : window.from >= 0) continue;
     const WireFaults& faults = window.faults;
     sum.loss = AddShares(sum.loss, faults.loss);

@@ -8,20 +8,21 @@
 
 namespace osteon::hil {
 
-/// The faults of one wire in one direction, by time. No allocation after construction.
+/// The scheduled faults of one wire in one direction. No allocation after construction.
 class FaultSchedule {
  public:
-  /// @param direction  kBoth: faults of either direction
+  /// @param direction  direction whose faults are scheduled; kBoth: the faults of both directions
   /// @throws std::invalid_argument from Validate.
   FaultSchedule(const InjectionParams& params, Wire wire, Direction direction);
 
-  /// Starts the schedule's time at `now`, when COMMANDING_ACTIVE is seen. Later calls change nothing.
+  /// Sets the schedule's time 0 to `now`; call when COMMANDING_ACTIVE is first observed. Later calls change
+  /// nothing.
   void StartSchedule(rt::Nanoseconds now) OSTEON_RT {
     if (!begun_) begun_at_ = now;
     begun_ = true;
   }
 
-  /// The sum of all faults that act at `now`.
+  /// The sum of all faults that are active at `now`.
   [[nodiscard]] WireFaults At(rt::Nanoseconds now) const OSTEON_RT;
 
   /// Whether no fault is scheduled.
@@ -29,7 +30,7 @@ class FaultSchedule {
 
  private:
   struct Window {
-    rt::Nanoseconds from, to;  ///< from the schedule's start
+    rt::Nanoseconds from, to;  ///< relative to the schedule's start
     WireFaults faults;
   };
   std::vector<Window> windows_;

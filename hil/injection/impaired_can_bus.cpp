@@ -9,14 +9,15 @@ namespace {
 
 using io::CanResult;
 
-constexpr int kMaxReads = 128;  // frames read in one call, so that it returns in a flood
+// largest number of frames read in one call, so that the call returns even if frames keep arriving
+constexpr int kMaxReads = 128;
 constexpr std::size_t kIdBytes = 2;
 // Room for the frames of one second on a full bus.
 constexpr WireRoom kRoom{.datagrams = 8192, .bytes = kIdBytes + 8, .intact = kIdBytes};
 
 using Bytes = std::array<std::uint8_t, kIdBytes + 8>;
 
-// A frame as a wire's datagram: its identifier, low byte first, then its data.
+// Packs a frame as a datagram of ImpairedWire: its identifier, low byte first, then its data.
 std::span<const std::uint8_t> PackFrame(const io::CanFrame& frame, Bytes& bytes) OSTEON_RT {
   const std::size_t size = std::min<std::size_t>(frame.size, frame.data.size());
   bytes[0] = static_cast<std::uint8_t>(frame.id);
@@ -69,7 +70,8 @@ CanResult ImpairedCanBus::Send(const io::CanFrame& frame) OSTEON_RT {
   return SendDue(now);
 }
 
-// Puts a frame that has arrived on the wire. False if the frame is not one of the wire's.
+// Pushes a frame that the underlying bus has received into the wire. Returns false if the frame's identifier
+// is not one of the wire's.
 bool ImpairedCanBus::AcceptArrival(const io::CanArrival& arrival) OSTEON_RT {
   if (!IsOfWire(arrival.frame)) return false;
   gap_ |= arrival.after_gap;
@@ -116,7 +118,7 @@ CanResult ImpairedCanBus::Receive(io::CanArrival& arrival, rt::Nanoseconds deadl
       return waited;
     }
     if (waited != CanResult::kOk && Now() < due)
-      return CanResult::kEmpty;  // the deadline came first, or time is virtual
+      return CanResult::kEmpty;  // the deadline passed before a frame was due, or time is virtual
   }
 }
 

@@ -8,23 +8,25 @@
 
 namespace osteon::hil {
 
-/// The simulated device's end of a CAN bus, with a scenario's faults on its frames: those that the device
-/// sends (to the controller) and those that it receives (from it).
+/// The simulated device's end of a CAN bus, with a scenario's faults on its frames: both on those that the
+/// device sends to the controller and on those that it receives.
 ///
-/// A frame's identifier is never damaged; its data and size may be. Frames move whenever this bus is called;
-/// Receive() wakes when one is due. Send() returns kOk for a frame that is lost, as a device would not know.
+/// A frame's identifier is never damaged; its data and size may be. Delayed frames are sent and delivered
+/// when a method of this bus is called; Receive() waits until one is due at the latest. Send() returns kOk
+/// for a frame that is lost, because a real device would not notice the loss.
 ///
-/// With several devices on one bus, wrap the bus once for each, with the identifiers of that device's wire;
-/// other frames pass unchanged.
+/// If several devices share one bus, wrap the bus once for each device, with the identifiers of that device's
+/// wire. Other frames pass unchanged.
 class ImpairedCanBus final : public io::CanBus {
  public:
-  /// @param bus  must outlive this object  @param frames  the wire's identifiers; none: all
+  /// @param bus  must outlive this object  @param frames  the identifiers that belong to the wire; none: all
   /// @param virtual_now  the virtual time, read at each call; must outlive this object. Null: CLOCK_MONOTONIC
   /// @throws std::invalid_argument from Validate(params).
   ImpairedCanBus(io::CanBus& bus, const InjectionParams& params, Wire wire,
                  std::vector<io::CanFilter> frames = {}, const rt::Nanoseconds* virtual_now = nullptr);
 
-  /// Records `now` as the time at which COMMANDING_ACTIVE was seen; later calls change nothing.
+  /// Starts the faults' schedule at `now`, the time of the first COMMANDING_ACTIVE; later calls change
+  /// nothing.
   void StartSchedule(rt::Nanoseconds now) OSTEON_RT;
 
   io::CanResult Send(const io::CanFrame& frame) OSTEON_RT override;
@@ -42,10 +44,10 @@ class ImpairedCanBus final : public io::CanBus {
   }
   // Whether the frame's identifier is one of the wire's.
   [[nodiscard]] bool IsOfWire(const io::CanFrame& frame) const OSTEON_RT;
-  // Sends the frames that are due on their way to the controller.
+  // Sends those frames to the controller that are due.
   io::CanResult SendDue(rt::Nanoseconds now) OSTEON_RT;
   [[nodiscard]] bool AcceptArrival(const io::CanArrival& arrival) OSTEON_RT;
-  // Takes the next frame that is due on its way from the controller. False if there is none.
+  // Returns in `arrival` the next due frame from the controller. False if there is none.
   [[nodiscard]] bool DeliverDue(rt::Nanoseconds now, io::CanArrival& arrival) OSTEON_RT;
 
   io::CanBus& bus_;

@@ -10,7 +10,7 @@ namespace {
 using simulation::Scramble;
 using simulation::Uniform;
 
-// A seed of its own for each wire and direction.
+// Derives a separate seed for each wire and direction.
 std::uint64_t SeedOf(std::uint64_t seed, Wire wire, Direction direction) {
   return Scramble(Scramble(seed) + 4 * static_cast<std::uint64_t>(wire) +
                   static_cast<std::uint64_t>(direction));
@@ -34,8 +34,9 @@ bool ImpairedWire::DrawEvent(Draw draw, double share) const OSTEON_RT {
   return Uniform(DrawBits(draw)) < share;
 }
 
-// Outside a burst of b lost datagrams, a new burst begins with probability p. Between two bursts (1 - p) / p
-// datagrams pass on average, so p is chosen such that loss = b / (b + (1 - p) / p) in the long run.
+// Decides whether the present datagram is lost. Losses come in bursts of b datagrams. Outside a burst, a new
+// burst begins with probability p, so (1 - p) / p datagrams pass between two bursts on average. p is chosen
+// such that the share of lost datagrams, b / (b + (1 - p) / p), equals faults.loss.
 bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
   if (faults.loss <= 0.0) {
     burst_left_ = 0;
@@ -51,11 +52,11 @@ bool ImpairedWire::IsLost(const WireFaults& faults) OSTEON_RT {
   return true;
 }
 
-// Damages a datagram: one in four is truncated, the others get bit errors in one byte. @returns the remaining
-// size.
+// Damages a datagram: one of four damaged datagrams is truncated, the others get bit errors in one byte.
+// @returns the remaining size.
 std::size_t ImpairedWire::Damage(std::span<std::uint8_t> datagram) OSTEON_RT {
   const std::size_t size = datagram.size(), kept = room_.intact;
-  if (size <= kept) return size;  // nothing that may be damaged
+  if (size <= kept) return size;  // no byte may be damaged
   ++counters_.corrupted;
   const std::uint64_t damage = DrawBits(Draw::kDamage), position = DrawBits(Draw::kPlace);
   if (damage % 4 == 0) return kept + position % (size - kept);
@@ -107,7 +108,7 @@ void ImpairedWire::Push(std::span<const std::uint8_t> datagram, rt::Nanoseconds 
 
 void ImpairedWire::Enqueue(std::span<const std::uint8_t> datagram, int copies, rt::Nanoseconds due,
                            rt::Nanoseconds now) OSTEON_RT {
-  last_due_ = std::max(last_due_, due);  // never before the datagram ahead
+  last_due_ = std::max(last_due_, due);  // not due before the previous datagram
   for (int i = 0; i < copies; ++i) {
     if (count_ == slots_.size()) {
       ++counters_.overflow;

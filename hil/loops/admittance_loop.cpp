@@ -13,9 +13,10 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMaxDelay = 1000;  // ticks: a second at 1 kHz
+constexpr int kMaxDelay = 1000;  // [ticks]: one second at 1 kHz
 
-// A tool whose axes are none of the world's, so that the law's changes of frame are in the loop.
+// A tool whose axes differ from the world's axes, so that the law's transformations between frames are part
+// of the loop.
 const Matrix3& TurnedTool() {
   static const Matrix3 R = ExpRotation({0.3, -0.4, 0.2});
   return R;
@@ -53,7 +54,7 @@ AdmittanceLoop::AdmittanceLoop(const AdmittanceLoopParams& params) : params_(par
   const HeldArm held = ArmHeldBy(params.hand, params.felt_mass_kg, params.arm);
   command_gain_ = held.command_gain;
   linear_arm_ = LinearArm(held.arm, params.period_s);
-  // a wall's velocity is the difference of two samples
+  // the velocity at an old commanded pose is the difference of two samples, so one more sample is stored
   const int oldest = params.wall.on == WallOn::kCommanded ? params.wall.age_ticks + 1 : 0;
   arm_ = std::max({1, linear_arm_.history(), 1 + oldest});
   speed_ = arm_ + 3;
@@ -61,12 +62,12 @@ AdmittanceLoop::AdmittanceLoop(const AdmittanceLoopParams& params) : params_(par
   motion_ = felt_ + params.sensor_delay;
 }
 
-// The state s: see size() for its parts, arm_ … motion_ for their places.
+// The parts of the state s are listed at size(); arm_ … motion_ are their first indices.
 Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   const GridHand& hand = params_.hand;
   const double x = s[arm_], v = s[arm_ + 1];
 
-  // the hand's present load on the sensor, and the law's input
+  // present load of hand and tool on the sensor, and the law's input, which is older by the sensor's delay
   const double a = (v - s[arm_ + 2]) / params_.period_s;
   const double felt_N =
       -(hand.stiffness_N_per_m * x + hand.damping_Ns_per_m * v + (hand.mass_kg + params_.tool_mass_kg) * a);
@@ -104,11 +105,11 @@ Eigen::VectorXd AdmittanceLoop::Step(const Eigen::VectorXd& s) const {
   if (!control::StepAdmittance(law, F_T_W, params_.period_s, tool))
     return Eigen::VectorXd::Constant(size(), std::numeric_limits<double>::infinity());
 
-  // the next state: the commands move on, the arm steps, the felt forces move on
+  // the next state: shift the commands, advance the arm, shift the stored sensor loads
   Eigen::VectorXd next(size());
   next[0] = axis_W.dot(tool.X_WT.translation());
   for (int i = 1; i < arm_; ++i) next[i] = s[i - 1];
-  // the command that was sent `ago` ticks before this one
+  // the command that was sent `ago` ticks before the present one
   const auto sent = [&](int ago) { return command_gain_ * (ago == 0 ? next[0] : s[ago - 1]); };
   const double earlier = linear_arm_.split ? sent(linear_arm_.whole + 1) : 0.0;
   next.segment<2>(arm_) = linear_arm_.step * Eigen::Vector4d(x, v, earlier, sent(linear_arm_.whole));
@@ -134,7 +135,7 @@ Boundary MaxWallStiffness(AdmittanceLoopParams params, const BoundaryScan& scan)
 }
 
 double MinDrag(AdmittanceLoopParams params, const BoundaryScan& scan) {
-  // scans in 1 / b: an upward scan there is a downward scan in b
+  // scan 1 / b upward, which scans the drag b downward
   const Boundary found = FirstCrossing(
       [&](double inverse) {
         params.damping_Ns_per_m = 1.0 / inverse;

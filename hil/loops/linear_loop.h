@@ -4,37 +4,37 @@
 
 #include <Eigen/Dense>
 
-// A linear sampled loop, known by its step alone. Its matrix is computed from that step, so every statement
-// about its stability holds for the code that runs.
+// Analysis of a linear sampled loop that is given only by the code of one step. The loop's matrix is computed
+// by calling this code, so results on stability hold for the code itself.
 
 namespace osteon::hil {
 
-/// One period: state in, state out; linear, of the same size.
+/// Computes the loop's state after one period from its present state. Linear; both states have the same size.
 using LoopStep = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
 
 /// The loop's matrix, size x size: column i is the step's result for unit vector i.
 [[nodiscard]] Eigen::MatrixXd LoopMatrix(const LoopStep& step, int size);
 
-/// Largest modulus of the eigenvalues: the loop is stable below 1, and the slowest mode changes by this
+/// Largest modulus of the eigenvalues: below 1 the loop is stable, and the slowest mode changes by this
 /// factor in a period.
 [[nodiscard]] double SpectralRadius(const Eigen::MatrixXd& loop);
 
-/// The first unstable value of an upward scan.
+/// The boundary of stability that an upward scan finds.
 struct Boundary {
-  double value{0.0};    ///< the crossing; without one, the end of the scan
-  bool crossed{false};  ///< false: stable up to the end
+  double value{0.0};  ///< value at which the loop becomes unstable; without such a value, the end of the scan
+  bool crossed{false};  ///< false: stable up to the end of the scan
 };
 
 struct BoundaryScan {
   double from{1.0}, to{1e6};  ///< > 0
-  double factor{1.05};     ///< from one value of the scan to the next, > 1: a narrower window of instability
-                           ///< may be missed
-  double tolerance{1e-4};  ///< relative, of the crossing
+  /// Ratio of successive values of the scan, > 1; a narrower range of instability may be missed.
+  double factor{1.05};
+  double tolerance{1e-4};  ///< relative tolerance of the boundary
 };
 
-/// Scans upward to the first crossing, then bisects: stability is not monotone in stiffness, so a bisection
-/// over the whole range could end at a crossing that a user never reaches. If `from` is already unstable the
-/// value is 0.
+/// Scans upward to the first unstable value, then bisects. A bisection of the whole range could end at a
+/// higher boundary, because stability is not monotone in stiffness. If `from` is already unstable, the
+/// result's value is 0.
 [[nodiscard]] Boundary FirstCrossing(const std::function<bool(double)>& stable, const BoundaryScan& scan);
 
 }  // namespace osteon::hil

@@ -26,10 +26,10 @@ Eigen::Vector2d StepFirstJoint(ServoArm& arm, double command) {
 
 LoopArm LinearArm(const ServoArmParams& params, double period_s) {
   const double whole = std::floor(params.dead_cycles), rest = params.dead_cycles - whole;
-  ServoArmParams prompt = params;  // without whole periods of dead time
+  ServoArmParams prompt = params;  // the arm without the whole periods of dead time
   prompt.dead_cycles = 0.0;
-  // An arm starts at rest, so the column of its speed comes from the second step of an arm that is already
-  // moving.
+  // An arm starts at rest, so the speed's column is derived from a second step, at whose beginning the arm
+  // moves.
   ServoArm arm = MakeUnlimitedArm(prompt, period_s, 1.0);
   const Eigen::Vector2d first = StepFirstJoint(arm, 0.0), second = StepFirstJoint(arm, 0.0);
   prompt.dead_cycles = rest;
@@ -39,8 +39,8 @@ LoopArm LinearArm(const ServoArmParams& params, double period_s) {
   linear.step.col(0) = first;
   linear.step.col(1) = (second - first[0] * first) / first[1];
   linear.step.col(3) = StepFirstJoint(at_zero, 1.0);
-  // An arm at rest at the position of both commands stays there, which gives the column of the earlier
-  // command.
+  // If an arm rests at position 1 and both commands are 1, it stays there. The column of the earlier command
+  // follows from this condition.
   linear.step.col(2).setZero();
   if (linear.split) linear.step.col(2) = Eigen::Vector2d::UnitX() - first - linear.step.col(3);
   return linear;

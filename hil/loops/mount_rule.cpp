@@ -7,7 +7,8 @@
 namespace osteon::hil {
 namespace {
 
-// Largest eigenvalue of [r]^T I^-1 [r]: the bone's turning adds it to the inverse mass at a lever r.
+// Largest eigenvalue of [r]^T I^-1 [r]: the bone's rotation adds it to the inverse effective mass at a point
+// with lever r.
 double InverseMassOfTurning(const control::BoneMountParams& mount, const Vector3& r) {
   Matrix3 cross;
   cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;

@@ -18,11 +18,11 @@ HandScript MakeDrillingScript(const DrillingScriptParams& p) {
   const auto add = [&](const std::string& name, double share, double height_m, double force_N) {
     phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N});
   };
-  // height of the head's centre when the tip is this far above the surface
+  // height of the head's centre if the tip is above_m above the surface
   const auto tip = [&](double above_m) { return above_m + p.head_radius_m; };
-  // the target lies this much deeper than a peck, so that the hand's spring reaches the push's force
+  // The target lies deeper than a peck's depth by this, so that the hand's spring exerts the push's force.
   const double beyond_m = p.push_force_N / p.hand_stiffness_N_per_m;
-  const double peck = 0.76 / p.pecks;  // share of the time
+  const double peck = 0.76 / p.pecks;  // a peck's share of the script's time
 
   add("grasp", 0.02, p.start_height_m, p.approach_force_N);
   add("approach", 0.10, tip(0.0), p.approach_force_N);

@@ -4,34 +4,35 @@
 
 namespace osteon::hil {
 
-/// Parameters for drilling one hole. Depths and heights of the *tip* count from the site's centre, which lies
-/// on the surface where the drill enters. Start and retreat are heights as in HandKey.
+/// Parameters for drilling one hole. Depths and heights of the *tip* are measured from the site's centre,
+/// which lies on the surface where the drill enters. start_height_m and retract_height_m are heights of the
+/// head's centre, as in HandKey.
 struct DrillingScriptParams {
-  PlainPose X_WC{};             ///< the entry: centre of its circle, +z out of the bone
-  double head_radius_m{0.002};  ///< of the ball at the drill's tip, which the hand guides
+  PlainPose X_WC{};             ///< site: centre of the circle where the drill enters, +z out of the bone
+  double head_radius_m{0.002};  ///< radius of the ball at the drill's tip, which the hand guides
   double tool_yaw_rad{0.0};
   double seconds{10.0};  ///< >= 0.1
   double start_height_m{0.040};
   double retract_height_m{0.030};
-  double depth_m{0.010};  ///< the push is at full force down to here, then fades
+  double depth_m{0.010};  ///< depth down to which the push has its full force; deeper, the force fades
   double push_force_N{60.0};
   double approach_force_N{10.0};
-  int pecks{4};                  ///< 1 … 50 pushes; between them the drill is withdrawn to clear its flutes
-  double peck_height_m{0.0005};  ///< of the tip above the surface when withdrawn
-  double hand_stiffness_N_per_m{2000.0};  ///< of the hand that will follow the script
-  double max_target_m_per_s{0.2};         ///< a short script stops short of its targets rather than move
-                                          ///< faster
+  int pecks{4};  ///< number of pushes, 1 … 50; between them the drill is withdrawn to clear its flutes
+  double peck_height_m{0.0005};           ///< height of the withdrawn tip above the surface
+  double hand_stiffness_N_per_m{2000.0};  ///< stiffness of the hand that will follow the script
+  /// Largest speed of the targets; in a script that is too short for it, the motions are shorter.
+  double max_target_m_per_s{0.2};
 };
 
-/// Straight in along the site's axis, in pecks of equal depth, through, and out. Shares of the time: 2 %
-/// grasp, 10 % approach until the tip meets the surface, 76 % pecks, 12 % withdrawal. Shares of a peck: a
-/// quarter to ramp the force up, two fifths push, one fifth out, the rest back to the depth of the peck
-/// before, at the approach's force. (The last peck, which breaks through if the bone is thinner than the
-/// depth, pushes to its end.)
+/// Makes a script that drills straight along the site's axis, in pecks of equal depth, and withdraws. Shares
+/// of the time: 2 % grasp, 10 % approach until the tip meets the surface, 76 % pecks, 12 % withdrawal. Shares
+/// of a peck: 25 % force ramp, 40 % push, 20 % motion out, 15 % motion back to the depth reached so far, at
+/// the approach's force. The last peck has only ramp (25 %) and push (75 %); it breaks through if the bone is
+/// thinner than depth_m.
 ///
-/// The push is as in MakeReamingScript: the target lies push_force / stiffness deeper than the peck's depth,
-/// so the hand presses at the force limit. Beyond that depth the force fades, which bounds the plunge of a
-/// hand that breaks through.
+/// During a push, as in MakeReamingScript, the target lies push_force / stiffness deeper than the peck's
+/// depth, so the hand presses with the force limit. Beyond the peck's depth the force fades, which limits how
+/// far a hand that breaks through plunges.
 /// @throws std::invalid_argument, naming the parameter and what is accepted.
 [[nodiscard]] HandScript MakeDrillingScript(const DrillingScriptParams& params);
 

@@ -22,7 +22,7 @@ std::vector<GridHand> HandGrid() {
 }
 
 OperatorHandParams OperatorWith(const GridHand& hand, OperatorHandParams rest) {
-  constexpr double kLever2_m2 = 0.1 * 0.1;  // the lever of 0.1 m, squared
+  constexpr double kLever2_m2 = 0.1 * 0.1;  // square of the lever of 0.1 m that converts to rotational values
   rest.stiffness_N_per_m = hand.stiffness_N_per_m;
   rest.damping_Ns_per_m = hand.damping_Ns_per_m;
   rest.mass_kg = hand.mass_kg;

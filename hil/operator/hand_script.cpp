@@ -10,12 +10,13 @@
 namespace osteon::hil {
 namespace {
 
-// A value between two phases' ends, and its rate of change per second.
+// An interpolated value, and its rate of change per second.
 struct ValueAndRate {
   double value, rate;
 };
 
-// Interpolates between the values at two phases' ends by a blend that takes `duration_s`.
+// Interpolates from the value at a phase's beginning to that at its end, by a blend over the phase's
+// `duration_s`.
 ValueAndRate Interpolate(double from, double to, Blend b, double duration_s) {
   return {from + (to - from) * b.s, (to - from) * b.slope / duration_s};
 }
@@ -65,7 +66,7 @@ HandScript::HandScript(const Pose& X_WC, double head_radius_m, double tool_yaw_r
 }
 
 HandTarget HandScript::Sample(double time_s) const noexcept {
-  // find the phase and the time into it
+  // find the phase and the time since its beginning
   double elapsed_s = std::max(time_s, 0.0);
   HandKey from = start_, to = start_;
   Blend blend{1.0, 0.0};
@@ -83,7 +84,7 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   const ValueAndRate height = Interpolate(from.height_m, to.height_m, blend, duration_s);
   const ValueAndRate tilt = Interpolate(from.tilt_rad, to.tilt_rad, blend, duration_s);
 
-  // orientation: the tilt vector r turns in T's xy plane, by the whirl's angle p
+  // orientation: the tilt is the rotation vector r, whose direction in T's xy plane is the whirl's angle p
   const double p = whirl_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
   const double p_rate = time_s > 0.0 && time_s < duration_s_ ? whirl_rad_per_s_ : 0.0;
   const Vector3 u{std::cos(p), std::sin(p), 0.0}, u_normal{-std::sin(p), std::cos(p), 0.0};
@@ -94,14 +95,14 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.X_WT.linear() = R_WT_upright_ * ExpRotation(r);
   target.V_WT.w = R_WT_upright_ * AngularVelocity(r, r_rate);
 
-  // position: the head's centre stays on the cup's axis, the apex is a radius further along T's z
+  // position: the head's centre lies on the site's axis; the apex is one radius further along T's z
   const Vector3 axis_W = X_WC_.linear().col(2);
   const Vector3 p_center_apex_W = head_radius_m_ * target.X_WT.linear().col(2);
   target.X_WT.translation() = X_WC_.translation() + height.value * axis_W + p_center_apex_W;
   target.V_WT.v = height.rate * axis_W + target.V_WT.w.cross(p_center_apex_W);
 
-  // the swing's circle about the cup's axis, at the angle q; before and after the script its radius and the
-  // radius' rate are zero, so that the angular rate does not matter there
+  // The swing moves the head's centre on a circle about the site's axis, at angle q. Before and after the
+  // script the circle's radius and its rate are zero, so the angular rate has no effect there.
   if (swings_) {
     const ValueAndRate swing = Interpolate(from.swing_m, to.swing_m, blend, duration_s);
     const double q = swing_rad_per_s_ * std::clamp(time_s, 0.0, duration_s_);
@@ -113,7 +114,8 @@ HandTarget HandScript::Sample(double time_s) const noexcept {
   target.height_m = height.value;
   target.force_limit_N = Interpolate(from.force_limit_N, to.force_limit_N, blend, duration_s).value;
   target.grip = Interpolate(from.grip, to.grip, blend, duration_s).value;
-  // settings of a phase, not motions of the hand: they change at once where the phase begins
+  // these values are settings of a phase, not motions of the hand, so they change at once when the phase
+  // begins
   target.done_height_m = to.done_height_m;
   target.give_m_per_N = to.give_m_per_N;
   return target;
@@ -143,14 +145,16 @@ HandScript MakeReamingScript(const ReamingScriptParams& p) {
                        double tilt_rad) {
     phases.Add(name, time_share, {.height_m = height_m, .force_limit_N = force_N, .tilt_rad = tilt_rad});
   };
-  // the hand's target lies beyond the depth of full force, so that its spring reaches push_force_N there
+  // The hand's target lies below the depth of full force, so that the hand's spring exerts push_force_N at
+  // that depth.
   const double push_height_m = -(p.full_force_depth_m + p.push_force_N / p.hand_stiffness_N_per_m);
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.08, 0.0, p.approach_force_N, 0.0);
   add("ramp", 0.07, push_height_m, p.push_force_N, 0.0);
   const bool straight = p.tilt_rad == 0.0;
   add(straight ? "press" : "tilt", 0.08, push_height_m, p.push_force_N, p.tilt_rad);
-  // with the tilt that the phase before has reached: max_tilt_rad_per_s may have cut it short
+  // keep the tilt that the previous phase has reached, which may be less than tilt_rad because of
+  // max_tilt_rad_per_s
   add(straight ? "press" : "whirlwind", 0.55, push_height_m, p.push_force_N, phases.key().tilt_rad);
   add(straight ? "press" : "upright", 0.08, push_height_m, p.push_force_N, 0.0);
   add("unload", 0.04, 0.0, p.approach_force_N, 0.0);

@@ -17,8 +17,9 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
   const double widest_m = p.site_radius_m - p.head_radius_m;
   RequireLoopPeriod(p.loop_period_s, widest_m, p.max_target_m_per_s);
 
-  // the loops of a short script are limited by the radius from which it can return to the axis in time
-  constexpr double kToAxis = 0.08;  // share of the time
+  // In a short script, the loops' radius is limited to that from which the hand can return to the axis within
+  // kToAxis of the time.
+  constexpr double kToAxis = 0.08;  // share of the script's time
   const ScriptBounds bounds{.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s};
   const double swing_m = std::min(widest_m, ScriptPhases::Reach(bounds, kToAxis));
 
@@ -27,12 +28,13 @@ HandScript MakeOpeningScript(const OpeningScriptParams& p) {
   const auto add = [&](const std::string& name, double share, double height_m, double force_N, double swing) {
     phases.Add(name, share, {.height_m = height_m, .force_limit_N = force_N, .swing_m = swing});
   };
-  // height of the head's centre with the apex at this depth, plus the extra depth that makes the hand push
+  // height of the head's centre with the apex at this share of the depth, minus the extra depth that makes
+  // the hand push
   const double beyond_m = p.push_force_N / p.hand_stiffness_N_per_m;
   const auto push = [&](double share_of_depth) {
     return p.head_radius_m - share_of_depth * p.depth_m - beyond_m;
   };
-  constexpr double kStraightIn = 0.3;  // share of the depth before the loops begin
+  constexpr double kStraightIn = 0.3;  // share of the depth that is reached before the loops begin
 
   add("grasp", 0.02, p.start_height_m, p.approach_force_N, 0.0);
   add("approach", 0.13, p.head_radius_m, p.approach_force_N, 0.0);

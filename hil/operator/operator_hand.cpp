@@ -10,16 +10,18 @@
 namespace osteon::hil {
 namespace {
 
-// Shortens a vector to at most this norm; its direction stays.
+// Shortens a vector to the norm max_size if it is longer; keeps its direction.
 Vector3 LimitNorm(const Vector3& v, double max_size) {
   const double size = v.norm();
   return size > max_size ? Vector3(v * (max_size / size)) : v;
 }
 
-// Remaining height from which the operator lets up, and the lag of a person who looks (both assumed).
+// Remaining height below which the operator reduces the push, and the lag of the person's reaction to what is
+// seen (both assumed).
 constexpr double kNearlyDone_m = 0.3e-3, kSight_s = 0.25;
 
-// Bounds the component of a force along a unit axis to -share_against × max_N … max_N, and leaves the others.
+// Bounds the component of a force along a unit axis to -share_against × max_N … max_N; does not change the
+// perpendicular components.
 Vector3 LimitAxially(const Vector3& f, const Vector3& axis, double max_N, double share_against) {
   const double axial_N = axis.dot(f);
   return f + (std::clamp(axial_N, -share_against * max_N, max_N) - axial_N) * axis;
@@ -55,7 +57,7 @@ Wrench HandImpedance::StepMass(double period_s, const Twist& V, double grip) noe
     V_mass_ = {};
     return {};
   }
-  // the mass follows: backward Euler of v_m' = grip (v - v_m) / tau
+  // backward Euler step of the mass's velocity: v_m' = grip (v - v_m) / tau
   const double share = period_s * grip / (params_.grip_time_s + period_s * grip);
   const Twist dV{.v = share * (V.v - V_mass_.v), .w = share * (V.w - V_mass_.w)};
   V_mass_.v += dV.v;
@@ -86,18 +88,19 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
   handle.F_mass = impedance_.StepMass(period_s, handle.V, moment.grip);
   push_share_ = PushShare(period_s, target, handle.X.translation());
 
-  // impedance at the head's centre
+  // wrench of the hand's impedance at the head's centre
   if (moment.holding != holding_) ChangeSpring(moment, target.force_limit_N, handle);
   const double fade = 1.0 - moment.back;
   const Wrench F = ComputeWrench(holding_, moment.grip, handle, {.f = fade * kept_.f, .t = fade * kept_.t});
   if (moment.clamped) return {.f = F.f, .t = F.t + handle.p_T_head_W.cross(F.f)};
 
-  // along the axis the hand pushes at most with the script's limit, and lets up where the work is done
+  // along the site's axis the force is at most the script's limit, reduced by push_share_ near the end of the
+  // work
   const double max_N = moment.grip * std::lerp(params_.max_force_N, target.force_limit_N, moment.back);
   Vector3 f = LimitAxially(F.f, script_.X_WC().linear().col(2), max_N, push_share_);
   pushed_N_ = std::max(0.0, -script_.X_WC().linear().col(2).dot(f));
 
-  // and in total at most with the hand's own maximum
+  // the whole force is at most the hand's maximum
   const double grip = moment.after_clamp ? std::lerp(1.0, target.grip, moment.back) : target.grip;
   f = LimitNorm(grip * f + script_.X_WC().linear() * moment.jerk_C_N, params_.max_force_N);
   return {.f = f, .t = LimitNorm(grip * F.t + handle.p_T_head_W.cross(f), params_.max_torque_Nm)};
@@ -105,7 +108,7 @@ Wrench OperatorHand::Step(double time_s, double period_s, const Pose& X_WT, cons
 
 OperatorHand::Handle OperatorHand::HandleAt(const HandTarget& target, const Pose& X_WT,
                                             const Twist& V_WT) const noexcept {
-  // centre of the head, of the tool and of the target, relative to T's origin
+  // position of the head's centre relative to T's origin: for the tool and for the target
   const Vector3 p_T_head_W = -script_.head_radius_m() * X_WT.linear().col(2);
   const Vector3 p_T_head_target_W = -script_.head_radius_m() * target.X_WT.linear().col(2);
   Handle handle{.p_T_head_W = p_T_head_W,
@@ -122,7 +125,7 @@ OperatorHand::Handle OperatorHand::HandleAt(const HandTarget& target, const Pose
 
 double OperatorHand::PushShare(double period_s, const HandTarget& target, const Vector3& p_W_head) noexcept {
   const double head_m = script_.X_WC().linear().col(2).dot(p_W_head - script_.X_WC().translation());
-  // height of the tool that the operator sees, above the head by the coupling's deflection
+  // height of the simulated tool, which the operator sees: higher than the head by the coupling's deflection
   const double seen_m = head_m + target.give_m_per_N * pushed_N_;
   const double wanted = std::clamp((seen_m - target.done_height_m) / kNearlyDone_m, 0.0, 1.0);
   return push_share_ + period_s / (kSight_s + period_s) * (wanted - push_share_);
@@ -148,8 +151,8 @@ void OperatorHand::ChangeSpring(const IncidentMoment& moment, double force_limit
     X_W_clamped_ = handle.X;
     kept_ = {};
   } else {
-    // keep the difference between the wrench before the change, within its bounds, and the new spring's
-    // wrench
+    // kept_ is the difference between the wrench before the change (limited to its bounds) and the new
+    // spring's wrench
     Wrench F_before = ComputeWrench(holding_, moment.grip, handle, without_incident ? Wrench{} : kept_);
     if (without_incident)
       F_before.f = LimitAxially(F_before.f, script_.X_WC().linear().col(2), force_limit_N, push_share_);

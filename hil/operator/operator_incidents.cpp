@@ -18,10 +18,11 @@ double EndOf(const StartledRelease& r) { return r.begin_s + r.jerk_s + r.release
 
 // Smooth progress, from 0 to 1, of a transition that takes `takes_s` and began `since_s` ago.
 double Progress(double since_s, double takes_s) {
-  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);  // rounding: at most 1
+  // clamped, because rounding may exceed 1
+  return std::clamp(Quintic(std::clamp(since_s / takes_s, 0.0, 1.0)).s, 0.0, 1.0);
 }
 
-// Sets the jerk and the grip of a startled release at a time.
+// Sets moment's jerk and grip to those of a startled release at time_s.
 void ApplyRelease(const StartledRelease& release, double time_s, IncidentMoment& moment) {
   const double since_s = time_s - release.begin_s;
   if (since_s < release.jerk_s) {
@@ -34,7 +35,7 @@ void ApplyRelease(const StartledRelease& release, double time_s, IncidentMoment&
                                : Progress(time_s - end_s, release.return_s);
 }
 
-// Checks the values of the incident with this number; throws std::invalid_argument with the value's name.
+// Checks the values of incident `number`; throws std::invalid_argument with the value's name.
 class Checker {
  public:
   explicit Checker(std::size_t number) : number_(number) {}
@@ -106,7 +107,8 @@ const HandSpring& SpringOf(const HandIncident& incident) noexcept {
 }
 
 IncidentMoment MomentOf(const HandIncidents& incidents, double time_s) noexcept {
-  // periods are added up in floating point: a nanosecond more makes sums reach the intended times
+  // The caller sums periods in floating point. One nanosecond more lets the rounded sum reach the intended
+  // times.
   time_s += 1e-9;
   IncidentMoment moment;
   for (std::size_t i = 0; i < incidents.count; ++i) {

@@ -13,9 +13,10 @@ namespace {
 constexpr double kPushShare = 0.45;           // the push's share of a tool's time
 constexpr std::string_view kHold = "change";  // first word of the phases in which a tool is changed
 
-// Returns last_push_ratio, or the smaller ratio (at least 1) that leaves min_tool_s to each other tool.
+// Returns last_push_ratio, or a smaller ratio (at least 1) with which min_tool_s remains for each of the
+// other tools.
 double LastPushRatio(const ProcedureScriptParams& p) {
-  // the time that is left when each tool has min_tool_s, in multiples of min_tool_s
+  // the time that remains if each tool gets min_tool_s, in multiples of min_tool_s
   const double spare_tool_times = p.seconds / p.min_tool_s - static_cast<double>(p.heights_m.size());
   return std::clamp(1.0 + spare_tool_times / kPushShare, 1.0, p.last_push_ratio);
 }
@@ -44,11 +45,11 @@ HandScript MakeProcedureScript(const ProcedureScriptParams& p) {
       {.seconds = p.seconds, .max_target_m_per_s = p.max_target_m_per_s},
       {.height_m = p.start_height_m, .force_limit_N = p.approach_force_N, .tilt_rad = 0.0, .grip = 0.0});
   const double last_push_ratio = LastPushRatio(p);
-  // A tool's share of the script; the last tool's share is larger by its longer push.
+  // A tool's share of the script's time. The last tool's share is larger because of its longer push.
   const double tool_share =
       1.0 / (static_cast<double>(p.heights_m.size()) + kPushShare * (last_push_ratio - 1.0));
   double done_height_m = HandKey::kNever_m;
-  // An operator who sees the plan presses with the whole force until the planned height is reached.
+  // An operator who sees the plan presses with the full force until the planned height is reached.
   const double past_plan_m = p.sees_plan ? p.push_force_N / p.hand_stiffness_N_per_m : p.past_plan_m;
   const auto add = [&](const std::string& name, double share, double height_m, double force_N,
                        double swing_m = 0.0) {

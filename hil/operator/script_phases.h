@@ -10,11 +10,11 @@
 
 namespace osteon::hil {
 
-/// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless accepted.
+/// @throws std::invalid_argument "operator's script: NAME: found …, accepted RANGE" unless `accepted`.
 void RequireInScript(bool accepted, std::string_view name, double found, std::string_view range);
 
-/// Refuses loops of a radius that would be faster than `max_m_per_s`. @throws std::invalid_argument as
-/// RequireInScript does.
+/// Checks that a loop of this radius and period is not faster than `max_m_per_s`. @throws
+/// std::invalid_argument as RequireInScript does.
 void RequireLoopPeriod(double period_s, double radius_m, double max_m_per_s);
 
 /// Checks the parameters that all scripts share. @throws std::invalid_argument as RequireInScript does.
@@ -32,26 +32,27 @@ void RequireCommon(const Params& p) {
 /// Length of a script, and bounds on the speed of its targets.
 struct ScriptBounds {
   double seconds{10.0};            ///< of the whole script
-  double max_target_m_per_s{0.2};  ///< along the axis, and of a growing or shrinking swing
+  double max_target_m_per_s{0.2};  ///< largest speed along the axis, and of the swing's radius
   double max_tilt_rad_per_s{0.5};
 };
 
-/// Builds phases one after the other. Each goes as far toward its key as the bounds on the targets' speed
-/// allow: a short script stops short of its targets rather than move faster.
+/// Builds a script's phases one after the other. Each phase approaches its wanted key only as far as the
+/// bounds on the targets' speed allow. In a script that is too short, the motions are therefore shorter, not
+/// faster.
 class ScriptPhases {
  public:
   ScriptPhases(const ScriptBounds& bounds, const HandKey& start);
 
-  /// Largest travel of a target in a phase of this share.
+  /// Largest travel of a target in a phase that takes `share` of the script.
   [[nodiscard]] static double Reach(const ScriptBounds& bounds, double share);
 
-  /// Adds a phase of this share of the script, at full grip.
+  /// Adds a phase that takes `share` of the script, with full grip.
   void Add(std::string_view name, double share, const HandKey& wanted);
 
   /// State at the end of the last phase.
   [[nodiscard]] const HandKey& key() const { return key_; }
   [[nodiscard]] const HandKey& start() const { return start_; }
-  /// Hands over the phases; the last call.
+  /// Returns the phases. Must be the last call.
   [[nodiscard]] std::vector<HandPhase> ReleasePhases() { return std::move(phases_); }
 
  private:

@@ -9,8 +9,9 @@
 
 namespace osteon::hil {
 
-/// The scripts of an operator. All have X_WC, head_radius_m, tool_yaw_rad, seconds, start_height_m,
-/// retract_height_m, push_force_N, approach_force_N, hand_stiffness_N_per_m and max_target_m_per_s in common.
+/// The scripts of an operator. All of them have the fields X_WC, head_radius_m, tool_yaw_rad, seconds,
+/// start_height_m, retract_height_m, push_force_N, approach_force_N, hand_stiffness_N_per_m and
+/// max_target_m_per_s in common.
 using ScriptParams =
     std::variant<ReamingScriptParams, DrillingScriptParams, OpeningScriptParams, ProcedureScriptParams>;
 

@@ -11,13 +11,13 @@
 
 namespace osteon::hil {
 
-/// A hand's physiological tremor as a force. Along each axis it is the sum of three sinusoids between 8 and
-/// 12 Hz with phases of their own, so its amplitude rises and falls as a beat.
+/// A hand's physiological tremor, modelled as a force. Along each axis it is the sum of three sinusoids
+/// between 8 and 12 Hz with random phases, so its amplitude beats.
 class Tremor {
  public:
-  /// @param peak_N  along each axis; 0: none
+  /// @param peak_N  peak force along each axis; 0: no tremor
   Tremor(double peak_N, std::uint64_t seed) : peak_N_(peak_N) {
-    // raw bits rather than a distribution: the same phases with every standard library
+    // use raw bits instead of a distribution, so that the phases are the same with every standard library
     std::mt19937_64 bits(seed);
     for (auto& axis : phase_rad_)
       for (double& phase : axis) phase = 2.0 * std::numbers::pi * static_cast<double>(bits() >> 11) * 0x1p-53;
@@ -35,7 +35,7 @@ class Tremor {
   }
 
  private:
-  static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};  // of the three sinusoids
+  static constexpr std::array<double, 3> kHz{8.3, 9.7, 11.1};  // frequencies of the three sinusoids
   double peak_N_;
   std::array<std::array<double, 3>, 3> phase_rad_{};  // by axis, then by sinusoid
 };

@@ -17,7 +17,7 @@ void PutU16(std::vector<std::uint8_t>& bytes, unsigned value) {
   bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
-// An answer: the request's header with another length, then the function and its data.
+// Makes an answer: the request's header with the answer's length, then the function and its data.
 std::vector<std::uint8_t> MakeAnswer(std::span<const std::uint8_t> request,
                                      std::span<const std::uint8_t> pdu) {
   std::vector<std::uint8_t> answer(request.begin(), request.begin() + 4);
@@ -30,7 +30,7 @@ std::vector<std::uint8_t> MakeAnswer(std::span<const std::uint8_t> request,
 }  // namespace
 
 MbapFrame FrameOf(std::span<const std::uint8_t> stream) {
-  // judge each field as soon as it is complete
+  // check each field as soon as all its bytes have arrived
   if (stream.size() >= 4 && ReadU16(stream, 2) != 0) return {.state = MbapState::kBroken};
   if (stream.size() < 6) return {};
   const std::size_t length = ReadU16(stream, 4);

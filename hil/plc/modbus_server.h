@@ -6,30 +6,31 @@
 #include <span>
 #include <vector>
 
-// Modbus TCP, server side, bytes in and bytes out. Written independently of libmodbus, which the product
-// uses.
+// Server side of Modbus TCP: converts the bytes of requests to the bytes of answers. Written independently of
+// libmodbus, which the controller uses.
 //
 //     transaction u16 | protocol u16 = 0 | length u16 | unit u8 | function u8 | data        big-endian
 //
-// Functions 3 (read holding registers), 6 and 16 (write one, several). Others get exception 1, unknown
-// addresses 2, invalid counts 3. Source: MODBUS Application Protocol 1.1b3; Messaging on TCP/IP 1.0b.
+// Functions 3 (read holding registers), 6 and 16 (write one, several). Other functions are answered with
+// exception 1, unknown addresses with exception 2, invalid counts with exception 3. Source: MODBUS
+// Application Protocol 1.1b3; Messaging on TCP/IP 1.0b.
 
 namespace osteon::hil {
 
-inline constexpr std::size_t kMbapHeader = 7;      ///< bytes before the function
+inline constexpr std::size_t kMbapHeader = 7;      ///< number of bytes before the function
 inline constexpr std::size_t kModbusMaxAdu = 260;  ///< bytes of the largest request or answer
 
-/// The registers behind the server.
+/// Access to the registers that the server serves.
 struct ModbusRegisters {
-  /// The register's value, or nothing if there is no such register to read.
+  /// Returns the register's value, or nothing if there is no readable register with this address.
   std::function<std::optional<std::uint16_t>(std::uint16_t address)> read;
-  /// Whether there is such a register to write.
+  /// Whether there is a writable register with this address.
   std::function<bool(std::uint16_t address)> writable;
   std::function<void(std::uint16_t address, std::uint16_t value)> write;
 };
 
 enum class MbapState : std::uint8_t {
-  kIncomplete,  ///< more bytes of the request must follow
+  kIncomplete,  ///< the request is not complete: wait for more bytes
   kWhole,       ///< the first size bytes are one request
   kBroken,      ///< not Modbus TCP: close the connection
 };
@@ -39,16 +40,16 @@ struct MbapFrame {
   std::size_t size{0};
 };
 
-/// Finds the first request in the bytes of a stream, if there is a whole one.
+/// Finds the first complete request in the bytes of a stream.
 [[nodiscard]] MbapFrame FrameOf(std::span<const std::uint8_t> stream);
 
-/// Refuses one whole request with an exception code, e.g. kServerBusy.
+/// Makes the answer that refuses one complete request with an exception code, e.g. kServerBusy.
 [[nodiscard]] std::vector<std::uint8_t> RefuseModbus(std::span<const std::uint8_t> request,
                                                      std::uint8_t exception);
 inline constexpr std::uint8_t kServerBusy = 6;  ///< exception code
 
-/// Answers one whole request (FrameOf returned kWhole). A write takes effect as a whole or not at all. Never
-/// empty.
+/// Executes one complete request (FrameOf returned kWhole) and returns the answer, which is never empty. A
+/// write sets all of its registers or none.
 [[nodiscard]] std::vector<std::uint8_t> AnswerModbus(std::span<const std::uint8_t> request,
                                                      const ModbusRegisters& registers);
 

@@ -13,7 +13,8 @@ PlcPanel PanelOperator::Step(rt::Nanoseconds now, const PlcLogicOutputs& outputs
     permitted_once_ = true;
     connections_ = connections;
   }
-  // true until the first permission, and after a controller or guard has connected again
+  // whether the person presses the reset button: until the first permission, and after a controller or guard
+  // has connected again
   const bool goes_on = !permitted_once_ || connections > connections_;
   return {.enabling = EnablingSwitch::kMiddle,
           .foot_pedal = true,

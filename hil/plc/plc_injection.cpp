@@ -23,7 +23,7 @@ PlcInjection::PlcInjection(PlcServer& server, const InjectionParams& params)
 
 void PlcInjection::Step(rt::Nanoseconds now) {
   const WireFaults faults = schedule_.At(now);
-  // hang, or go on, when a silence begins or ends
+  // the server hangs while a silence lasts
   if (faults.silence != before_.silence) {
     server_.SetHung(faults.silence);
     hangs_ += faults.silence ? 1 : 0;

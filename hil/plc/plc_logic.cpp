@@ -56,7 +56,7 @@ PlcLogic::PlcLogic(const PlcLogicParams& params) : params_(params), latched_(Bit
 const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs& inputs) {
   now_ = std::max(now_, now);
 
-  // causes that latch
+  // causes of latching blocks in this step
   std::uint16_t latching = 0;
   if (inputs.emergency_stop) latching |= Bit(PlcBlock::kEmergencyStop);
   if (controller_.UpdateHeartbeat(now_, inputs.controller_heartbeat, params_.heartbeat_timeout))
@@ -67,7 +67,7 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   latched_ |= latching;
   const bool guarded = !params_.guard || guard_.lives;
 
-  // a press of the reset button clears the latched blocks whose cause has gone
+  // a press of the reset button clears those latched blocks whose cause is gone
   if (inputs.reset && !reset_before_) {
     int still_present = latching;
     if (!controller_.lives) still_present |= Bit(PlcBlock::kControllerLost);
@@ -76,12 +76,13 @@ const PlcLogicOutputs& PlcLogic::Step(rt::Nanoseconds now, const PlcLogicInputs&
   }
   reset_before_ = inputs.reset;
 
-  // the enabling switch
+  // the enabling switch: after it was squeezed through, it must be released first
   if (inputs.enabling == EnablingSwitch::kSqueezed) must_release_ = true;
   if (inputs.enabling == EnablingSwitch::kReleased) must_release_ = false;
   const bool enabled = inputs.enabling == EnablingSwitch::kMiddle && !must_release_;
 
-  // the request: valid if made while nothing is latched; a latching cause or a change of mode drops it
+  // The request for motion is valid if it is made while nothing is latched. A latching cause or a change of
+  // mode cancels it.
   if (latched_ != 0 || inputs.mode != mode_before_ || !inputs.motion_request)
     requested_ = false;
   else if (!request_before_)

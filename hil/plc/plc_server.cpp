@@ -18,7 +18,8 @@
 namespace osteon::hil {
 namespace {
 
-constexpr std::size_t kMaxClients = 4;              // connections at once; further ones are refused
+// largest number of simultaneous connections; further ones are refused
+constexpr std::size_t kMaxClients = 4;
 constexpr std::uint16_t kFirst = 970, kLast = 983;  // registers that the PLC writes
 // registers that controller and guard write
 constexpr std::uint16_t kControllerHeartbeat = 990, kMotionRequest = 991, kGuardHeartbeat = 992,
@@ -73,7 +74,7 @@ PlcServer::PlcServer(const PlcServerParams& params) : params_(params), logic_(pa
         return out.power_on;
       case 983:
         return out.heartbeat;
-      case kControllerHeartbeat:  // holding registers: written values can be read back
+      case kControllerHeartbeat:  // these registers return the value that was written
         return controller_heartbeat_;
       case kMotionRequest:
         return motion_request_;
@@ -188,7 +189,8 @@ void PlcServer::Accept() {
   clients_.push_back({.socket = client, .received = {}, .answers = {}});
 }
 
-// Reads the waiting bytes once and answers complete requests; false if the connection must be closed.
+// Reads the received bytes once and answers the complete requests. Returns false if the connection must be
+// closed.
 bool PlcServer::Serve(Client& client) {
   std::array<std::uint8_t, 2 * kModbusMaxAdu> bytes;
   const ssize_t size = recv(client.socket, bytes.data(), bytes.size(), 0);
@@ -205,7 +207,7 @@ bool PlcServer::Serve(Client& client) {
     const rt::Nanoseconds now = rt::MonotonicNow();
     const rt::Nanoseconds delay =
         std::max(delay_.load(std::memory_order_relaxed), delay_once_.exchange(0, std::memory_order_relaxed));
-    // never before the answer ahead
+    // not before the previous answer
     const rt::Nanoseconds due =
         client.answers.empty() ? now + delay : std::max(now + delay, client.answers.back().due);
     const auto request = std::span<const std::uint8_t>(client.received).first(frame.size);
@@ -224,12 +226,12 @@ bool PlcServer::Serve(Client& client) {
   }
 }
 
-// False if the connection must be closed.
+// Sends the answers that are due. Returns false if the connection must be closed.
 bool PlcServer::SendDue(Client& client, rt::Nanoseconds now) {
   while (!client.answers.empty() && client.answers.front().due <= now) {
     const std::vector<std::uint8_t> bytes = std::move(client.answers.front().bytes);
     client.answers.pop_front();
-    // an answer is small; a client that does not take it has stopped reading
+    // An answer is small. If it cannot be sent completely, the client has stopped reading.
     if (send(client.socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size()))
       return false;
   }

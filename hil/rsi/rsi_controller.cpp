@@ -22,14 +22,14 @@ Six ToDegrees(const Joints& q) {
   return axes_deg;
 }
 
-// Pads six joints to seven for ServoArm.
+// Appends a seventh joint to six joints, for ServoArm.
 kinematics::JointVector PadToSeven(const kinematics::JointVectorN<6>& q) {
   kinematics::JointVector seven = kinematics::JointVector::Zero();
   seven.head<6>() = q;
   return seven;
 }
 
-// Pads the limits of six joints to seven for ServoArm.
+// Appends the limits of a seventh joint to those of six joints, for ServoArm.
 std::array<kinematics::JointLimits, 7> PadLimitsToSeven(const kinematics::OrthoParallelParams& arm) {
   std::array<kinematics::JointLimits, 7> limits{};
   std::copy(arm.limits.begin(), arm.limits.end(), limits.begin());
@@ -45,7 +45,7 @@ Matrix3 RotationOf(const Six& frame) {
       .toRotationMatrix();
 }
 
-// KUKA frame X Y Z A B C [mm, deg] of a pose.
+// Returns the KUKA frame X Y Z A B C [mm, deg] of a pose.
 Six FrameOf(const Pose& X) {
   const Matrix3& R = X.linear();
   const Vector3 p_mm = 1e3 * X.translation();
@@ -63,7 +63,7 @@ void Require(bool accepted, const std::string& name, double found, std::string_v
     throw std::invalid_argument(fmt::format("simulated KR: {}: found {}, accepted {}", name, found, range));
 }
 
-// Returns the parameters; throws where one is not accepted.
+// Returns the parameters; throws if one is not accepted.
 const RsiControllerParams& Checked(const RsiControllerParams& params) {
   Require(params.cycle_ms == 4 || params.cycle_ms == 12, "cycle_ms", params.cycle_ms, "4 or 12");
   Require(params.timeout_cycles >= 1, "timeout_cycles", params.timeout_cycles, ">= 1");
@@ -125,7 +125,7 @@ RsiController::RsiController(const RsiControllerParams& params)
 }
 
 void RsiController::Restart() {
-  // The arm has come to rest at its last set point. RSI begins there, with a new IPOC.
+  // By now the arm rests at its last set point. RSI begins there, with a new IPOC.
   start_deg_ = ToDegrees(q_set_);
   X_BF_start_ = chain_.FlangePose(q_set_);
   last_ = state_.correction = {};
@@ -134,7 +134,8 @@ void RsiController::Restart() {
   state_.delay = excused_delay_ = 0;
   state_.stop = {};
   state_.counters = {};
-  first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;  // a counter starts at 1; a clock goes on
+  // an IPOC that counts messages starts at 1 again; one that counts time continues
+  first_ipoc_ = params_.ipoc_step == 1 ? 1 : state_.ipoc + 10'000u;
   state_.ipoc = first_ipoc_ - static_cast<std::uint64_t>(params_.ipoc_step);
 }
 
@@ -184,7 +185,7 @@ std::span<const std::uint8_t> RsiController::Step(bool client_had_its_time) {
   return {reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size()};
 }
 
-// Ends a cycle: updates the correction in force by its answer, or by the lack of one.
+// Ends a cycle: updates the applied correction from the cycle's answer, or because there was none.
 void RsiController::Judge(bool client_had_its_time) {
   if (answered_) {
     ++state_.counters.answered;
@@ -209,7 +210,7 @@ void RsiController::Judge(bool client_had_its_time) {
   ApplyCorrection();
 }
 
-// Applies the monitors, and computes the set point of the correction in force.
+// Applies the monitors, and computes the set point from the applied correction.
 void RsiController::ApplyCorrection() {
   const Six& correction = state_.correction;
   for (std::size_t i = 0; i < 6; ++i)
@@ -242,7 +243,7 @@ void RsiController::ApplyCorrection() {
   q_set_ = q;
 }
 
-// Moves the arm toward its set point for one cycle.
+// Advances the arm by one cycle toward its set point.
 void RsiController::Drive() {
   if (params_.level == ArmLevel::kKinematic) {
     qd_ = (q_set_ - q_) / period_s();
@@ -254,7 +255,7 @@ void RsiController::Drive() {
   qd_ = servo_.qd().head<6>();
 }
 
-// Ends RSI: the set point stays where it is.
+// Ends RSI; the set point does not change.
 void RsiController::End(RsiStopReason reason, int axis, double found, double accepted) {
   state_.running = false;
   state_.stop = {.reason = reason, .axis = axis, .found = found, .accepted = accepted};

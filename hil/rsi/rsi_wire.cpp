@@ -13,7 +13,7 @@ constexpr std::array<std::string_view, 6> kAxisNames{"A1", "A2", "A3", "A4", "A5
 constexpr std::array<std::string_view, 6> kExternalNames{"E1", "E2", "E3", "E4", "E5", "E6"};
 constexpr std::array<std::string_view, 6> kFrameNames{"X", "Y", "Z", "A", "B", "C"};
 
-// An empty XML element with six numbers as attributes, in four decimals.
+// Returns an empty XML element with six attributes, numbers with four decimals.
 std::string Element(std::string_view name, const std::array<std::string_view, 6>& attributes,
                     const Six& values) {
   std::string text = fmt::format("<{}", name);
@@ -27,7 +27,7 @@ class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
 
-  // Whether the text goes on with this word; Expect also consumes it.
+  // Whether the text continues with this word. Expect also consumes the word.
   [[nodiscard]] bool Is(std::string_view word) const { return text_.substr(at_).starts_with(word); }
   void Expect(std::string_view word) {
     if (!error_.empty()) return;
@@ -46,7 +46,7 @@ class Cursor {
     }
     at_ = static_cast<std::size_t>(end - text_.data());
   }
-  // Reads up to the next `stop`, which is not consumed.
+  // Consumes and returns the text up to the next `stop`; does not consume `stop`.
   std::string_view Until(std::string_view stop) {
     const std::size_t end = text_.find(stop, at_);
     if (!error_.empty() || end == std::string_view::npos) {

@@ -11,7 +11,7 @@
 namespace osteon::io {
 namespace {
 
-// Low four bits of an identifier.
+// Codes of messages: the low four bits of an identifier.
 enum Code : std::uint16_t {
   kReadings = 0x0,
   kReadingsRest = 0x1,
@@ -20,27 +20,28 @@ enum Code : std::uint16_t {
   kCounts = 0x7,
   kUnits = 0x8,
 };
-constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;  // of step_; 0 … 5 request the matrix's rows
+// values of step_; the values 0 … 5 request the matrix's rows
+constexpr int kStepCounts = 6, kStepUnits = 7, kStepRunning = 8;
 
-// Value of each unit, indexed by its code on the wire; code 0 is unused. Force: lbf, N, klbf, kN, kgf, gf.
-// Torque: lbf·in, lbf·ft, N·m, N·mm, kgf·cm, kN·m.
+// Size of each unit in N or N·m, indexed by its code on the wire; code 0 is unused. Force: lbf, N, klbf, kN,
+// kgf, gf. Torque: lbf·in, lbf·ft, N·m, N·mm, kgf·cm, kN·m.
 constexpr double kPound_N = 4.4482216152605, kInch_m = 0.0254, kKilopond_N = 9.80665;
 constexpr std::array<double, 7> kForceUnit_N{0.0,         kPound_N,          1.0, 1e3 * kPound_N, 1e3,
                                              kKilopond_N, 1e-3 * kKilopond_N};
 constexpr std::array<double, 7> kTorqueUnit_Nm{
     0.0, kPound_N* kInch_m, kPound_N * 12 * kInch_m, 1.0, 1e-3, 0.01 * kKilopond_N, 1e3};
 
-// Bits of the sensor's status word. Faults: bits 1 … 8 (converter, ground, supply, calibration, memory), 11
-// and 12 (temperature).
+// Bits of the sensor's status word. kStatusFault: bits 1 … 8 (converter, ground, supply, calibration,
+// memory), 11 and 12 (temperature).
 constexpr std::uint16_t kStatusFault = 0x19FE;
 constexpr std::uint16_t kStatusBus = 0x4000;  // a CAN error
 
-// Identifier of a frame of the sensor with this base.
+// Identifier of a frame with `code`, for the sensor with `base`.
 std::uint16_t Id(std::uint8_t base, std::uint16_t code) OSTEON_RT {
   return static_cast<std::uint16_t>(base << 4 | code);
 }
 
-// A float32 from four bytes, the highest first.
+// Decodes a float32 from four bytes, the highest first.
 double DecodeFloat(const std::uint8_t* bytes) OSTEON_RT {
   return std::bit_cast<float>(GetBig<std::uint32_t>(bytes));
 }
@@ -91,7 +92,8 @@ void AtiSensor::Accept(const CanArrival& arrival) OSTEON_RT {
     ++unexpected_;
 }
 
-// A row is accepted as a whole: its three parts in order; otherwise it is requested again.
+// A row of the matrix arrives in three parts. If they do not arrive in order, the whole row is requested
+// again.
 void AtiSensor::HandleMatrix(const CanFrame& frame, std::size_t part) OSTEON_RT {
   if (frame.size != 8) {
     ++malformed_;
@@ -140,7 +142,7 @@ void AtiSensor::HandleUnits(const CanFrame& frame) OSTEON_RT {
 void AtiSensor::HandleReading() OSTEON_RT {
   const auto& bytes = joiner_.bytes();
   Values gauges{}, wrench{};
-  // bytes: status, gauges 0, 2, 4, then gauges 1, 3, 5
+  // order of the bytes: status, gauges 0, 2, 4, then gauges 1, 3, 5
   for (std::size_t i = 0; i < 6; ++i)
     gauges[i] = GetBig<std::int16_t>(&bytes[i % 2 == 0 ? 2 + i : 8 + (i - 1)]);
   const bool saturated =
@@ -155,7 +157,7 @@ void AtiSensor::HandleReading() OSTEON_RT {
     ++unexpected_;
     return;
   }
-  if (bias_left_ > 0) {  // a bias was requested: it is the mean of the next readings
+  if (bias_left_ > 0) {  // a bias was requested: average this reading
     for (std::size_t i = 0; i < 6; ++i) bias_sum_[i] += wrench[i];
     if (--bias_left_ == 0)
       for (std::size_t i = 0; i < 6; ++i) bias_[i] = bias_sum_[i] / params_.bias_readings;
@@ -208,7 +210,9 @@ bool AtiSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed || now < due_) return false;
   frame = {.id = Id(params_.base, kReadings)};
   if (step_ == kStepRunning) {
-    joiner_.GiveUp();  // drops half an answer to an earlier request, so that the next answer never joins it
+    // drop the first half of an answer to an earlier request, so that it is not joined with a half of the
+    // next answer
+    joiner_.GiveUp();
     due_ = now - due_ > params_.period ? now + params_.period : due_ + params_.period;
     return true;
   }
@@ -238,7 +242,7 @@ std::string AtiSensor::failure() const {
   const std::string place =
       fmt::format("ATI NETCANOEM sensor (base 0x{:02X}, ids 0x{:03X} … 0x{:03X}): ", params_.base,
                   Id(params_.base, 0), Id(params_.base, 0xF));
-  // the value found may be a count, which does not fit an int
+  // found_ is a step only for these causes; for others it may be a count that does not fit in an int
   const int step = wrong_ == Wrong::kSilent || wrong_ == Wrong::kMatrix ? static_cast<int>(found_) : 0;
   switch (wrong_) {
     case Wrong::kNothing:

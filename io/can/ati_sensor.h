@@ -14,11 +14,13 @@
 namespace osteon::io {
 
 struct AtiParams {
-  std::uint8_t base{0x20};                   ///< 0 … 0x7F; its ids are base << 4 … base << 4 | 0xF
-  rt::Nanoseconds period{rt::kMillisecond};  ///< between requests; each is answered by one reading
-  rt::Nanoseconds answer_timeout{50 * rt::kMillisecond};  ///< for each answer of the set-up
-  int attempts{3};                                        ///< each set-up request is sent at most this often
-  int bias_readings{100};                                 ///< number of readings averaged for a bias
+  std::uint8_t base{0x20};  ///< 0 … 0x7F; the sensor's identifiers are base << 4 … base << 4 | 0xF
+  /// Time between requests; the sensor answers each with one reading.
+  rt::Nanoseconds period{rt::kMillisecond};
+  /// Longest time to wait for an answer during set-up.
+  rt::Nanoseconds answer_timeout{50 * rt::kMillisecond};
+  int attempts{3};         ///< largest number of times that a set-up request is sent
+  int bias_readings{100};  ///< number of readings averaged for a bias
 };
 
 /// ATI NETCANOEM force sensor: strain gauges with their calibration matrix, read by requests.
@@ -31,9 +33,10 @@ struct AtiParams {
 ///
 ///     F_S = (matrix · gauges) / counts, in N and N·m for any units
 ///
-/// Set-up reads matrix, counts and units; then a request goes out each period and its answer is the reading.
-/// A gauge at the end of its range is an overload, as the matrix would spread its error over all axes. The
-/// sensor has no bias function: the mean of the next readings is subtracted here.
+/// The set-up reads matrix, counts and units. Then a request is sent in each period, and its answer is a
+/// reading. A gauge at the end of its range is reported as an overload, because the matrix would spread the
+/// gauge's error over all axes. The sensor has no bias function. On request, this class averages the next
+/// readings and subtracts the mean.
 ///
 /// Source: ATI manual 9610-05-1030 as quoted by public drivers.
 class AtiSensor final : public WrenchSensor {
@@ -53,7 +56,7 @@ class AtiSensor final : public WrenchSensor {
   }
   [[nodiscard]] std::string failure() const override;
 
-  /// Row-major, force rows first; valid once kReady.
+  /// Calibration matrix, row-major, force rows first; valid once phase() is kReady.
   [[nodiscard]] const std::array<double, 36>& matrix() const { return matrix_; }
 
  private:
@@ -66,24 +69,24 @@ class AtiSensor final : public WrenchSensor {
   void HandleCounts(const CanFrame& frame) OSTEON_RT;
   void HandleUnits(const CanFrame& frame) OSTEON_RT;
   void HandleReading() OSTEON_RT;
-  // Goes on to the next step of the set-up.
+  // Continues with the next step of the set-up.
   void Advance() OSTEON_RT;
-  // Ends in kFailed. found, other: figures for failure(), by cause.
+  // Ends the set-up in kFailed. @param found, other numbers for failure(); their meaning depends on the cause
   void Fail(Wrong wrong, double found, double other = 0.0) OSTEON_RT;
 
   AtiParams params_;
   PairJoiner joiner_;
   SensorPhase phase_{SensorPhase::kStarting};
   int step_{0};               // 0 … 5 rows of the matrix, 6 counts, 7 units, 8 running
-  std::size_t next_part_{0};  // of the present row of the matrix, 0 … 2
-  int attempts_{0};           // requests of the present step so far
-  rt::Nanoseconds due_{0};    // of the next request
+  std::size_t next_part_{0};  // next part of the matrix's present row, 0 … 2
+  int attempts_{0};           // number of requests sent in the present step
+  rt::Nanoseconds due_{0};    // time of the next request
   Wrong wrong_{Wrong::kNothing};
   double found_{0.0}, found_other_{0.0};
   std::array<double, 36> matrix_{};
   double counts_per_force_{1.0}, counts_per_torque_{1.0}, force_unit_N_{1.0}, torque_unit_Nm_{1.0};
   Values bias_{}, bias_sum_{};
-  int bias_left_{0};  // readings still to be averaged for a bias
+  int bias_left_{0};  // number of readings still to be averaged for a bias
   SensorReading latest_;
   std::uint64_t readings_{0}, unexpected_{0}, malformed_{0};
 };

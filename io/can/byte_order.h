@@ -6,8 +6,8 @@
 
 #include "base/marker.h"
 
-// Integers in frames: big-endian (the highest byte first) or little-endian. Signed ones are converted through
-// their unsigned type, as C++20 defines it.
+// Reads and writes integers in frames, big-endian (highest byte first) or little-endian. Signed integers are
+// converted from and to their unsigned type, which C++20 defines.
 
 namespace osteon::io {
 

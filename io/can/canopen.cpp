@@ -5,7 +5,7 @@
 namespace osteon::io::canopen {
 namespace {
 
-// CAN identifier (COB-ID) of a kind of message to or from one node.
+// CAN identifier (COB-ID) of a node's message, given the base identifier of the kind of message.
 std::uint16_t CobId(std::uint16_t base, std::uint8_t node) OSTEON_RT {
   return static_cast<std::uint16_t>(base + node);
 }
@@ -24,7 +24,7 @@ CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT {
 
 CanFrame SdoWrite(std::uint8_t node, const Object& object, std::uint32_t value) OSTEON_RT {
   CanFrame frame{.id = CobId(kSdoRequest, node), .size = 8};
-  // expedited download; bits 2 and 3 count the unused bytes of the value
+  // expedited download; bits 2 and 3 are the number of unused bytes of the value
   frame.data[0] = static_cast<std::uint8_t>(0x23 | (4 - object.size) << 2);
   PutLittle(object.index, &frame.data[1]);
   frame.data[3] = object.sub;
@@ -51,7 +51,7 @@ std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT {
     answer.value = data;
   } else if ((command & 0xE2) == 0x42) {  // expedited upload: the value is in this frame
     answer.kind = SdoAnswer::Kind::kValue;
-    // bit 0 says that bits 2 and 3 count the unused bytes
+    // if bit 0 is set, bits 2 and 3 are the number of unused bytes
     answer.size = (command & 0x01) != 0 ? static_cast<std::uint8_t>(4 - (command >> 2 & 3)) : std::uint8_t{4};
     answer.value = answer.size == 4 ? data : data & ((1u << 8 * answer.size) - 1);
   } else {

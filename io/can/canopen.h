@@ -6,19 +6,20 @@
 #include "base/marker.h"
 #include "io/can/frame.h"
 
-// The part of CANopen (CiA 301) that a drive's client needs. Little-endian; n is the node, 1 … 127.
+// The part of CANopen (CiA 301) that a drive's client needs. Numbers are little-endian; a node has the number
+// 1 … 127.
 
 namespace osteon::io::canopen {
 
-/// CAN identifiers of CiA 301's predefined connection set. NMT and SYNC have one identifier for all nodes; to
-/// the others the node's number is added.
+/// CAN identifiers of CiA 301's predefined connection set. NMT and SYNC have one identifier for all nodes.
+/// For the other messages, the node's number is added to the identifier below.
 inline constexpr std::uint16_t kNmt = 0x000, kSync = 0x080, kEmergency = 0x080, kTpdo1 = 0x180,
                                kRpdo1 = 0x200, kTpdo2 = 0x280, kSdoAnswer = 0x580, kSdoRequest = 0x600,
                                kHeartbeat = 0x700;
 
 enum class NmtCommand : std::uint8_t { kStart = 0x01, kStop = 0x02, kPreOperational = 0x80, kReset = 0x81 };
 
-/// NMT state in a heartbeat.
+/// NMT state of a node, as sent in its heartbeat.
 enum class NmtState : std::uint8_t {
   kBootUp = 0x00,
   kStopped = 0x04,
@@ -27,7 +28,7 @@ enum class NmtState : std::uint8_t {
   kUnknown = 0xFF,
 };
 
-// The frames of an NMT command, of SYNC and of a heartbeat.
+// These functions return the frames of an NMT command, of SYNC and of a heartbeat.
 [[nodiscard]] CanFrame Nmt(NmtCommand command, std::uint8_t node) OSTEON_RT;
 [[nodiscard]] CanFrame Sync() OSTEON_RT;
 [[nodiscard]] CanFrame Heartbeat(std::uint8_t node, NmtState state) OSTEON_RT;
@@ -51,17 +52,17 @@ struct SdoAnswer {
   Kind kind{Kind::kAbort};
   std::uint16_t index{0};
   std::uint8_t sub{0};
-  std::uint8_t size{0};    ///< of a value; 4 if the server does not say
+  std::uint8_t size{0};    ///< size of the value [bytes]; 4 if the server does not specify it
   std::uint32_t value{0};  ///< the value, or the abort code
 };
 
-/// Empty if the data is no answer to an expedited transfer.
+/// Decodes an answer; returns nothing if the frame is no answer to an expedited transfer.
 [[nodiscard]] std::optional<SdoAnswer> DecodeSdo(const CanFrame& frame) OSTEON_RT;
 
 /// Text of an abort code; not for the tick.
 [[nodiscard]] const char* DescribeAbort(std::uint32_t code);
 
-/// The entry that maps an object into a PDO: its index, sub-index and length in bits.
+/// Returns the mapping entry that puts an object into a PDO: its index, sub-index and length in bits.
 [[nodiscard]] constexpr std::uint32_t Mapped(const Object& object) OSTEON_RT {
   return std::uint32_t{object.index} << 16 | std::uint32_t{object.sub} << 8 | object.size * 8u;
 }

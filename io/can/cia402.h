@@ -4,8 +4,8 @@
 
 #include "base/marker.h"
 
-// CiA 402's state machine of a drive, from its client's side: states from the statusword (6041), commands by
-// the controlword (6040).
+// The client's side of CiA 402's state machine of a drive: decodes the state from the statusword (6041), and
+// computes the controlword (6040).
 
 namespace osteon::io {
 
@@ -14,18 +14,18 @@ enum class DriveState : std::uint8_t {
   kDisabled,  ///< switch on disabled
   kReady,     ///< ready to switch on
   kSwitchedOn,
-  kEnabled,  ///< operation enabled: it turns
+  kEnabled,  ///< operation enabled: the motor is controlled
   kQuickStop,
   kFaultReaction,
   kFault,
   kUnknown,  ///< a statusword that matches no state
 };
 
-/// What the client wants of the drive.
+/// The state that the client wants the drive to reach.
 enum class DriveGoal : std::uint8_t {
   kOff,        ///< no torque
   kEnabled,    ///< turning at the commanded speed
-  kQuickStop,  ///< braked to rest along its quick-stop ramp, then held there
+  kQuickStop,  ///< brakes to rest with its quick-stop deceleration, then stays at rest under torque
 };
 
 /// Controlwords.
@@ -42,11 +42,11 @@ inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlShutdown =
 ///     to quick stop   enabled ─02─▶ quick stop; a drive that is not enabled is switched off (00)
 ///     to off          00, from anywhere
 ///
-/// Quick stop is left through off only, so a stopped drive never turns by itself. A fault needs its reset
-/// (0x80, a rising edge), which this function never gives.
+/// Quick stop ends only with goal off, so a stopped drive never starts by itself. A fault needs a reset
+/// (rising edge of bit 7, 0x80), which this function never commands.
 [[nodiscard]] std::uint16_t ControlToward(DriveGoal goal, DriveState state) OSTEON_RT;
 
-/// E.g. "switch on disabled"; not for the tick.
+/// Returns the state's name, e.g. "switch on disabled". Not for use in the tick.
 [[nodiscard]] const char* Describe(DriveState state);
 
 }  // namespace osteon::io

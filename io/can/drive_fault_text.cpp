@@ -16,8 +16,8 @@ struct CodeText {
   const char* text;
 };
 
-// CiA 402 (IEC 61800-7-201), table of error codes, and communication errors of CiA 301: those that apply to a
-// tool's servo drive.
+// Error codes of CiA 402 (IEC 61800-7-201) and of CiA 301 (communication) that can occur with a tool's servo
+// drive.
 constexpr std::array kCodes{
     CodeText{0x2130, "short circuit at the input"},
     CodeText{0x2220, "continuous over-current inside the drive"},
@@ -62,7 +62,8 @@ constexpr std::array kCodes{
     CodeText{0x8611, "following error"},
 };
 
-// CiA 301, table of emergency error code classes: the first byte, or its first digit.
+// Classes of emergency error codes of CiA 301. A class is given by the code's high byte, or by the first
+// hexadecimal digit of it.
 constexpr std::array kClasses{
     CodeText{0x20, "current"},
     CodeText{0x21, "current at the device's input"},
@@ -131,7 +132,7 @@ std::string DescribeDriveFaults(const DriveFaultReport& report) {
   std::string text;
   // appends one phrase
   const auto append_phrase = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
-  // appends a fault if its bit is set
+  // appends a fault's text if the fault's bit is set
   const auto append_if_latched = [&](DriveFault fault, int bit, const std::string& what) {
     if ((report.faults & fault) != 0) append_phrase(fmt::format("{} (bit {})", what, bit));
   };

@@ -9,7 +9,7 @@
 
 namespace osteon::io {
 
-inline constexpr std::uint16_t kCanMaxId = 0x7FF;  ///< 11 bits
+inline constexpr std::uint16_t kCanMaxId = 0x7FF;  ///< largest identifier of 11 bits
 
 /// A classical CAN data frame with an 11-bit identifier. Bytes beyond `size` are zero, so that equal frames
 /// compare equal.
@@ -24,11 +24,11 @@ struct CanFrame {
 /// A frame as received from a bus.
 struct CanArrival {
   CanFrame frame;
-  rt::Nanoseconds stamp{0};  ///< arrival at this machine, CLOCK_MONOTONIC (or virtual time)
-  bool after_gap{false};     ///< the transport knows that frames before this one were lost
+  rt::Nanoseconds stamp{0};  ///< time of arrival at this machine, on CLOCK_MONOTONIC (or virtual time)
+  bool after_gap{false};     ///< the transport has detected that frames before this one were lost
 };
 
-/// An identifier as errors print it, e.g. "0x064".
+/// Formats an identifier for error texts, e.g. "0x064".
 [[nodiscard]] std::string IdText(std::uint16_t id);
 
 }  // namespace osteon::io

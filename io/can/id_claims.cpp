@@ -7,7 +7,7 @@
 namespace osteon::io {
 namespace {
 
-// Describes a claim in an error: its identifiers, device and purpose.
+// Describes a claim for an error text: its identifiers, device and purpose.
 std::string ClaimText(const IdClaim& claim) {
   const std::string ids =
       claim.first == claim.last ? IdText(claim.first) : IdText(claim.first) + " … " + IdText(claim.last);

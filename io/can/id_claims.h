@@ -12,12 +12,12 @@
 
 namespace osteon::io {
 
-/// Identifiers that a device uses on its bus, in either direction.
+/// A range of identifiers that a device uses on its bus, for sending or receiving.
 struct IdClaim {
   std::string device;   ///< name in errors, e.g. "reamer drive (node 5)"
   std::string purpose;  ///< e.g. "RPDO1"
   std::uint16_t first{0}, last{0};
-  std::string advice{};  ///< what to do on a conflict
+  std::string advice{};  ///< instruction for the user in case of a conflict
 };
 
 /// All identifiers that a device with these parameters uses.
@@ -25,8 +25,8 @@ struct IdClaim {
 [[nodiscard]] std::vector<IdClaim> Claims(const AtiParams& params);
 [[nodiscard]] std::vector<IdClaim> Claims(const ReamerDriveParams& params);
 
-/// Describes two devices of one bus that use the same identifier: text that names both, the identifiers and
-/// what to do. Empty if there are none. Claims of one device may overlap.
+/// Finds two devices of one bus that use the same identifier. Returns a text that names both devices, the
+/// identifiers and what to do; empty if there are no such devices. Claims of one device may overlap.
 [[nodiscard]] std::optional<std::string> FindOverlap(std::span<const IdClaim> claims);
 
 }  // namespace osteon::io

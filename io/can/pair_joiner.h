@@ -9,29 +9,31 @@
 
 namespace osteon::io {
 
-/// Two frames that a sensor sends back to back.
+/// Parameters of a message that a sensor sends as two consecutive frames.
 struct PairJoinerParams {
   std::uint16_t first_id{0}, second_id{0};
   std::uint8_t first_size{8}, second_size{8};
-  /// The halves of a pair arrive within this time. Well below the time between pairs, so that a second half
-  /// never joins the first half of another pair when the two frames between them are lost.
+  /// Longest time between the arrivals of a pair's two halves. It must be well below the time between pairs:
+  /// if the two frames between a first half and the next pair's second half are lost, these two halves must
+  /// not be joined.
   rt::Nanoseconds window{rt::kMillisecond / 2};
 };
 
-/// Joins the two frames of a sensor's message, its halves, which carry no sequence number. A first half waits
-/// for its second one. It is dropped when another first half comes, when the transport reports lost frames
-/// (after_gap), or when the second half comes too late. A second half without a waiting first one is dropped.
+/// Joins the two frames (halves) of a sensor's message. The halves contain no sequence number. A first half
+/// waits for its second half. It is dropped if another first half arrives, if the transport reports lost
+/// frames (after_gap), or if the second half arrives too late. A second half is dropped if no first half
+/// waits.
 class PairJoiner {
  public:
   enum class Result : std::uint8_t {
-    kForeign,  ///< another id
-    kWaiting,  ///< half a pair, or a half without its partner
+    kForeign,  ///< the frame has another identifier
+    kWaiting,  ///< no pair is complete yet: the half waits, or was dropped
     kJoined,   ///< bytes() is the pair, stamp() its arrival
   };
 
   explicit PairJoiner(const PairJoinerParams& params) : params_(params) {}
 
-  /// Takes a frame of the bus. The bytes of a pair are complete if the result is kJoined.
+  /// Accepts a frame of the bus. If the result is kJoined, bytes() is a complete pair.
   Result Add(const CanArrival& arrival) OSTEON_RT {
     const bool first = arrival.frame.id == params_.first_id, second = arrival.frame.id == params_.second_id;
     if (arrival.after_gap) GiveUp();
@@ -48,7 +50,7 @@ class PairJoiner {
       for (std::size_t i = 0; i < 8; ++i) bytes_[i] = arrival.frame.data[i];
       return Result::kWaiting;
     }
-    // The stamps come from two clocks: a small negative difference does not mean another pair.
+    // The stamps may come from two clocks, so a small negative difference is possible within a pair.
     const rt::Nanoseconds apart = arrival.stamp - stamp_;
     if (!waiting_ || apart > params_.window || apart < -params_.window) {
       GiveUp();
@@ -68,7 +70,7 @@ class PairJoiner {
 
   [[nodiscard]] const std::array<std::uint8_t, 16>& bytes() const OSTEON_RT { return bytes_; }
   [[nodiscard]] rt::Nanoseconds stamp() const OSTEON_RT { return stamp_; }
-  /// Number of halves that were dropped without their other half.
+  /// Number of halves that were dropped because the other half was missing.
   [[nodiscard]] std::uint64_t halves() const OSTEON_RT { return halves_; }
   [[nodiscard]] std::uint64_t malformed() const OSTEON_RT { return malformed_; }  ///< frames of a wrong size
 

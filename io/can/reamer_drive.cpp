@@ -25,7 +25,7 @@ constexpr Object kAbortConnection{0x6007, 0, 2}, kControlword{0x6040, 0, 2}, kSt
     kErrorCode{0x603F, 0, 2}, kAcceleration{0x6083, 0, 4}, kDeceleration{0x6084, 0, 4},
     kQuickStopDeceleration{0x6085, 0, 4}, kTargetVelocity{0x60FF, 0, 4};
 
-// Values of these objects.
+// Values of these objects; the object's index is in the comment.
 constexpr std::uint32_t kDriveProfile = 402;   // 1000: low word of a CiA 402 drive's device type
 constexpr std::uint32_t kStopAndStay = 6;      // 605A: brake along the quick-stop ramp, then stay in quick
                                                // stop
@@ -33,15 +33,15 @@ constexpr std::uint32_t kQuickStopRamp = 2;    // 605E: brake along the quick-st
 constexpr std::uint32_t kFaultOnLoss = 1;      // 6007: a lost connection is a fault
 constexpr std::uint32_t kPdoOff = 0x80000000;  // bit in a PDO's identifier (COB-ID) that switches the PDO off
 constexpr std::uint32_t kAtSync = 1;           // a PDO's transmission type: every SYNC
-// Controlwords sent for a fault reset: one with bit 7 low, then the rest with it high.
+// Number of controlwords sent for a fault reset: the first with bit 7 low, the others with bit 7 high.
 constexpr int kResetCycles = 12;
 constexpr double kRpmPerRadPerS = 60.0 / (2.0 * std::numbers::pi);
-// Largest difference of the drive's rated torque from the parameter, as a share of the latter.
+// Largest difference between the drive's rated torque and the parameter, as a share of the parameter.
 constexpr double kRatedTorqueTolerance = 0.01;
-// Pause after NMT pre-operational, before the first SDO.
+// Pause between the NMT command "pre-operational" and the first SDO.
 constexpr rt::Nanoseconds kSettle = 20 * rt::kMillisecond;
 
-// [ns] to [ms], as the drive's objects have it.
+// Converts [ns] to [ms], the unit of the drive's objects.
 std::uint32_t Milliseconds(rt::Nanoseconds t) { return static_cast<std::uint32_t>(t / rt::kMillisecond); }
 
 }  // namespace
@@ -88,11 +88,11 @@ tl::expected<ReamerDrive, std::string> ReamerDrive::Make(const ReamerDriveParams
 }
 
 ReamerDrive::ReamerDrive(const ReamerDriveParams& p) : params_(p) {
-  // adds a step that reads an object and compares it (Step::mask)
+  // adds a set-up step that reads an object and compares the value (see Step::mask)
   const auto read = [this](const Object& object, std::uint32_t value, std::uint32_t mask) {
     steps_.push_back({Step::Kind::kRead, object, value, mask});
   };
-  // adds a step that writes an object
+  // adds a set-up step that writes an object
   const auto write = [this](const Object& object, std::uint32_t value) {
     steps_.push_back({Step::Kind::kWrite, object, value, 0});
   };
@@ -172,7 +172,8 @@ void ReamerDrive::HandleSdo(const CanFrame& frame) OSTEON_RT {
   }
   if (phase_ != DrivePhase::kStarting || step_ >= steps_.size() || attempts_ == 0) return;
   const Step& step = steps_[step_];
-  if (answer->index != step.object.index || answer->sub != step.object.sub) return;  // answers an old attempt
+  // answer to an earlier request
+  if (answer->index != step.object.index || answer->sub != step.object.sub) return;
   if (answer->kind == canopen::SdoAnswer::Kind::kAbort) return Fail(Failure::kAborted, answer->value);
   if ((step.kind == Step::Kind::kRead) != (answer->kind == canopen::SdoAnswer::Kind::kValue)) return;
   if (step.kind == Step::Kind::kRead) {
@@ -201,13 +202,13 @@ void ReamerDrive::HandleHeartbeat(const CanFrame& frame, rt::Nanoseconds stamp) 
     set_up_lost_ = true;
     if (state != static_cast<std::uint8_t>(NmtState::kBootUp)) return Latch(kDriveLeftOperational);
     Latch(kDriveRestarted);
-    status_.state = DriveState::kNotReady;  // the earlier state is from before the boot
+    status_.state = DriveState::kNotReady;  // the state known so far is from before the boot
     status_.speed_rad_per_s = status_.torque_Nm = 0.0;
     was_enabled_ = false;
   } else if (frame.data[0] == static_cast<std::uint8_t>(NmtState::kBootUp)) {
     Restart();  // the boot cleared the configuration
   } else if (step_ > steps_.size() && operational) {
-    // the drive has followed NMT start
+    // the drive has executed the NMT command "start"
     phase_ = DrivePhase::kReady;
     ready_since_ = stamp;
     next_cycle_ = 0;
@@ -238,7 +239,7 @@ void ReamerDrive::HandleStatus(const CanFrame& frame, rt::Nanoseconds stamp) OST
       params_.direction * GetLittle<std::int32_t>(data + 3) / (kRpmPerRadPerS * params_.gear_ratio);
 
   const bool fault = status_.state == DriveState::kFault || status_.state == DriveState::kFaultReaction;
-  if (!fault) reset_cycles_ = 0;  // the reset has worked
+  if (!fault) reset_cycles_ = 0;  // the reset was successful
   if (fault && reset_cycles_ == 0) Latch(kDriveInFault);
   const bool enabled = status_.state == DriveState::kEnabled;
   if (was_enabled_ && !enabled && command_.goal == DriveGoal::kEnabled && status_.faults == 0)
@@ -292,7 +293,8 @@ void ReamerDrive::Fail(Failure wrong, std::uint32_t found) OSTEON_RT {
 }
 
 bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
-  if (phase_ == DrivePhase::kFailed) return false;  // a drive that still turns stops when our heartbeat ends
+  // nothing is sent: a drive that still turns stops because it misses the controller's heartbeat
+  if (phase_ == DrivePhase::kFailed) return false;
   if (now >= next_heartbeat_) {
     next_heartbeat_ = now + params_.heartbeat;
     frame = canopen::Heartbeat(params_.master_node, NmtState::kOperational);
@@ -306,7 +308,7 @@ bool ReamerDrive::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
     return true;
   }
   if (now < next_cycle_) return false;
-  // late by more than a cycle: count from now on, as missed cycles are not made up for
+  // if late by more than a cycle, restart the schedule at `now`: missed cycles are skipped
   next_cycle_ = now - next_cycle_ > params_.cycle ? now + params_.cycle : next_cycle_ + params_.cycle;
   frame = CommandFrame();
   sync_due_ = true;
@@ -326,7 +328,8 @@ bool ReamerDrive::NextSetUpFrame(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT
     return false;
   }
   ++attempts_;
-  if (step_ >= steps_.size()) {  // configured: start, and wait for the heartbeat to confirm
+  // all steps are done: send NMT start, and wait until the heartbeat confirms it
+  if (step_ >= steps_.size()) {
     step_ = steps_.size() + 1;
     due_ = now + params_.answer_timeout + 2 * params_.heartbeat;
     frame = canopen::Nmt(NmtCommand::kStart, params_.node);
@@ -341,12 +344,12 @@ bool ReamerDrive::NextSetUpFrame(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT
 
 std::uint16_t ReamerDrive::Controlword() OSTEON_RT {
   if (reset_cycles_ > 0) {
-    // Low once to make a rising edge; then high until the state follows.
+    // Bit 7 is low once so that a rising edge follows, then high until the state changes.
     const bool low = reset_cycles_ == kResetCycles;
     --reset_cycles_;
     return low ? kControlDisableVoltage : kControlFaultReset;
   }
-  // a latched fault turns every goal but kOff into a quick stop
+  // while a fault is latched, every goal except kOff is replaced by kQuickStop
   return ControlToward(status_.faults == 0                ? command_.goal
                        : command_.goal == DriveGoal::kOff ? DriveGoal::kOff
                                                           : DriveGoal::kQuickStop,

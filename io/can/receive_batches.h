@@ -10,15 +10,15 @@
 
 namespace osteon::io {
 
-/// Why a call received no message.
+/// Reason why a call received no message.
 enum class EmptyReceive : std::uint8_t {
-  kNothing,  ///< nothing waits
+  kNothing,  ///< no message waits
   kDown,     ///< the bus is down
-  kReport,   ///< report about an earlier frame: another message may wait
+  kReport,   ///< the call reported an error of an earlier frame: another message may wait
 };
 
 /// CanBus::ReceiveAll for a MessageBatch: receives frames in their order of arrival until `room` is full or
-/// nothing waits, several by each system call.
+/// no message waits, several with each system call.
 /// @param max_skipped  largest number of messages skipped in one call because they are not deliverable
 ///   frames
 /// @param count  set to the number of frames delivered into `room`
@@ -43,7 +43,7 @@ CanResult ReceiveBatches(Batch& batch, int socket, std::size_t max_skipped, std:
     left -= came;
     for (std::size_t i = 0; i < came; ++i)
       if (deliver(i, room[count])) ++count;
-    if (came < asked) break;  // nothing else waits
+    if (came < asked) break;  // no further message waits
   }
   return count > 0 ? CanResult::kOk : CanResult::kEmpty;
 }

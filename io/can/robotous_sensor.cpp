@@ -21,12 +21,12 @@ enum Code : std::uint8_t {
   kSetBias = 0x11,
 };
 
-// A rate or cut-off frequency, and the sensor's code for it.
+// A rate or cut-off frequency [Hz], and the sensor's code for it.
 struct Choice {
   int hz;
   std::uint8_t code;
 };
-// Code 6 is 300 or 333 Hz, depending on the source: not offered.
+// Code 6 is not offered: it means 300 or 333 Hz, depending on the source.
 constexpr std::array<Choice, 7> kRates{{{10, 1}, {20, 2}, {50, 3}, {100, 4}, {200, 5}, {500, 7}, {1000, 8}}};
 constexpr std::array<Choice, 15> kFilters{{{0, 0},
                                            {1, 1},
@@ -44,7 +44,7 @@ constexpr std::array<Choice, 15> kFilters{{{0, 0},
                                            {300, 13},
                                            {500, 14}}};
 
-// Null if the sensor does not offer this frequency.
+// Finds the choice with this frequency; null if the sensor does not offer it.
 template <std::size_t N>
 const Choice* FindChoice(const std::array<Choice, N>& choices, int hz) {
   const auto* const found =
@@ -52,7 +52,7 @@ const Choice* FindChoice(const std::array<Choice, N>& choices, int hz) {
   return found == choices.end() ? nullptr : found;
 }
 
-// Lists the frequencies for an error: "10, 20, …".
+// Lists the frequencies for an error text: "10, 20, …".
 template <std::size_t N>
 std::string AcceptedHz(const std::array<Choice, N>& choices) {
   std::string text;
@@ -74,8 +74,8 @@ const char* ErrorText(int code) {
   }
 }
 
-// Accepted range of measured period / nominal period. Outside it the sensor sends at another rate: the next
-// lower rate has at least twice the period.
+// Accepted range of the ratio of measured to nominal period. Outside this range the sensor sends at another
+// rate, because the next lower rate has at least twice the period.
 constexpr double kMaxPeriodRatio = 1.5, kMinPeriodRatio = 0.6;
 
 }  // namespace
@@ -123,7 +123,7 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
   if (joiner_.Add(arrival) != PairJoiner::Result::kJoined || phase_ == SensorPhase::kFailed) return;
   const auto& bytes = joiner_.bytes();
   if (bytes[0] == kStartOutput && step_ >= Step::kStart) {
-    if (step_ == Step::kStart && attempts_ == 0) return;  // not requested yet
+    if (step_ == Step::kStart && attempts_ == 0) return;  // "start" was not sent yet
     HandleReading(bytes, joiner_.stamp());
   } else {
     HandleAnswer(bytes);
@@ -131,8 +131,8 @@ void RobotousSensor::Accept(const CanArrival& arrival) OSTEON_RT {
 }
 
 void RobotousSensor::HandleAnswer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT {
-  // An answer is expected only after its command was sent. Readings from before "stop" still arrive for a
-  // while, and count as unexpected.
+  // An answer is expected only after its command was sent. Readings that the sensor sent before "stop" still
+  // arrive for some time; they count as unexpected.
   const Step step = attempts_ > 0 ? step_ : Step::kStop;
   if (step == Step::kSetFilter && bytes[0] == kSetFilter) {
     if (bytes[2] != 0) return Fail(Failure::kRefused, bytes[2]);
@@ -162,7 +162,7 @@ void RobotousSensor::HandleReading(const std::array<std::uint8_t, 16>& bytes,
   }
   if (step_ != Step::kRunning) return;
 
-  // force [N] or torque [N·m] of an axis
+  // converts an axis' counts to force [N] or torque [N·m]
   const auto value = [&](std::size_t axis, double counts) {
     return GetBig<std::int16_t>(bytes.data() + 1 + 2 * axis) / counts;
   };
@@ -211,7 +211,7 @@ void RobotousSensor::Restart() OSTEON_RT {
 bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
   if (phase_ == SensorPhase::kFailed) return false;
   if (step_ == Step::kMeasureRate || step_ == Step::kRunning) {
-    // The measurement of the rate fails if its readings do not come in twice their nominal time.
+    // The measurement of the rate fails if its readings do not arrive within twice their nominal time.
     if (step_ == Step::kMeasureRate) {
       const rt::Nanoseconds nominal = rt::kSecond / params_.rate_hz * params_.rate_readings;
       if (due_ == 0) due_ = now + 2 * nominal + params_.answer_timeout;
@@ -219,7 +219,7 @@ bool RobotousSensor::Next(rt::Nanoseconds now, CanFrame& frame) OSTEON_RT {
         Fail(Failure::kRateMeasured,
              rate_count_ > 0 ? rate_count_ / rt::ToSeconds(rate_last_ - rate_since_) : 0.0);
     }
-    // running: the only command left is the bias
+    // while running, the only possible command is the bias
     if (bias_ == Bias::kNone || step_ != Step::kRunning) return false;
     frame = {.id = params_.command_id,
              .size = 8,

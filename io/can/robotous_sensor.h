@@ -15,16 +15,17 @@ namespace osteon::io {
 
 struct RobotousParams {
   std::uint16_t command_id{0x64}, first_id{0x01},
-      second_id{0x02};        ///< the maker's; each id can be set in the sensor
-  int rate_hz{1000};          ///< accepted: 10, 20, 50, 100, 200, 500, 1000
-  int filter_hz{0};           ///< low-pass in the sensor; 0: off; 1, 2, 3, 5, 10, 20, 30, 40, 50, 100 … 500
-  double counts_per_N{50.0};  ///< by model; 50 for most
-  double counts_per_Nm{2000.0};                            ///< by model; 2000 for most
+      second_id{0x02};  ///< the manufacturer's default identifiers; each can be changed in the sensor
+  int rate_hz{1000};    ///< accepted: 10, 20, 50, 100, 200, 500, 1000
+  int filter_hz{0};  ///< cut-off frequency of the sensor's low-pass filter; 0: off; accepted: 1, 2, 3, 5, 10,
+                     ///< 20, 30, 40, 50, 100 … 500
+  double counts_per_N{50.0};                               ///< depends on the model; 50 for most models
+  double counts_per_Nm{2000.0};                            ///< depends on the model; 2000 for most models
   rt::Nanoseconds settle{20 * rt::kMillisecond};           ///< after "stop", until readings in transit have
                                                            ///< arrived
-  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< for each answer
-  int attempts{3};                                         ///< of each command
-  int rate_readings{100};  ///< number of readings for the check of the true rate before the sensor is ready
+  rt::Nanoseconds answer_timeout{100 * rt::kMillisecond};  ///< longest time to wait for an answer
+  int attempts{3};                                         ///< largest number of times that a command is sent
+  int rate_readings{100};  ///< number of readings that measure the true rate before the sensor is ready
 };
 
 /// Robotous RFT force sensor on CAN.
@@ -33,15 +34,16 @@ struct RobotousParams {
 ///     answer    16 bytes in two frames, first_id then second_id: byte 0 echoes the code
 ///     reading   byte 0 0x0B; 1 … 12 Fx Fy Fz Tx Ty Tz, int16 big-endian; 13 overloaded axes, one bit each
 ///
-/// Set-up: stop (0x0C), low-pass (0x08) and rate (0x0F) set and read back (0x09, 0x10), start (0x0B); then
-/// the rate of the readings is measured. A sensor is refused if its reply or its readings do not confirm the
-/// rate: at 200 Hz, its default, the loop would use forces up to 5 ms old without knowing.
+/// Set-up: stop (0x0C); set low-pass (0x08) and rate (0x0F) and read them back (0x09, 0x10); start (0x0B).
+/// Then the rate of the readings is measured. A sensor is refused if its answer or its readings do not
+/// confirm the rate. Otherwise the loop could use forces up to 5 ms old without noticing, at the default rate
+/// of 200 Hz.
 ///
 /// The bias is a function of the sensor (command 0x11 with 1 or 0). The sensor does not answer this command.
 ///
-/// Source: RFT series manual 1.8 (communication), and the maker's published sample for the codes of rates and
-/// cut-off frequencies. Sources differ on whether "result" of a set command is 0 or 1 on success, so the
-/// error code and the value read back decide.
+/// Source: RFT series manual 1.8 (communication), and the manufacturer's published sample code for the codes
+/// of rates and cut-off frequencies. Sources differ on whether the "result" of a set command is 0 or 1 on
+/// success, so this class uses the error code and the value read back instead.
 class RobotousSensor final : public WrenchSensor {
  public:
   /// The error names the parameter, the value found and what is accepted.
@@ -68,23 +70,23 @@ class RobotousSensor final : public WrenchSensor {
     kReadFilter,
     kSetRate,
     kReadRate,
-    kStart,  // its answer is the first reading
+    kStart,  // the answer is the first reading
     kMeasureRate,
     kRunning,
   };
   enum class Failure : std::uint8_t { kNothing, kSilent, kRefused, kFilter, kRateCode, kRateMeasured };
   enum class Bias : std::uint8_t { kNone, kSet, kClear };
 
-  // @param found  the code, rate [Hz] or number of attempts, for failure()
+  // @param found error code, rate [Hz] or number of attempts, for failure()
   void Fail(Failure wrong, double found) OSTEON_RT;
-  // Checks an answer of the set-up; goes on to the next step, or fails.
+  // Checks an answer of the set-up; then continues with the next step, or fails.
   void HandleAnswer(const std::array<std::uint8_t, 16>& bytes) OSTEON_RT;
   void HandleReading(const std::array<std::uint8_t, 16>& bytes, rt::Nanoseconds stamp) OSTEON_RT;
-  // Counts a reading; after rate_readings of them, checks the mean period.
+  // Counts a reading. After rate_readings readings, checks their mean period.
   void MeasureRate(rt::Nanoseconds stamp) OSTEON_RT;
-  // Goes on to the next step.
+  // Continues with the next step.
   void Advance() OSTEON_RT;
-  // The command of a step.
+  // Returns the command of a step.
   [[nodiscard]] CanFrame Command(Step step) const OSTEON_RT;
 
   RobotousParams params_;
@@ -92,12 +94,12 @@ class RobotousSensor final : public WrenchSensor {
   PairJoiner joiner_;
   SensorPhase phase_{SensorPhase::kStarting};
   Step step_{Step::kStop};
-  int attempts_{0};         // of this step's command
+  int attempts_{0};         // number of times that this step's command was sent
   rt::Nanoseconds due_{0};  // time of the next attempt
   Failure wrong_{Failure::kNothing};
   Step wrong_step_{Step::kStop};
   double found_{0.0};
-  Bias bias_{Bias::kNone};  // requested, and not sent yet
+  Bias bias_{Bias::kNone};  // the bias command that is requested and not sent yet
   SensorReading latest_;
   std::uint64_t readings_{0}, unexpected_{0};
   // measurement of the rate: times of its first and last reading, and the periods between them

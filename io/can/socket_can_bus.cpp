@@ -18,10 +18,11 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxSkipped = 64;  // error frames and invalid frames skipped in one call
+// largest number of error frames and invalid frames skipped in one call
+constexpr std::size_t kMaxSkipped = 64;
 
-// Finds the interface `name` and its index, by any socket `fd`. Returns what is wrong, e.g. that the
-// interface is down; empty: nothing.
+// Finds the interface `name` and its index, with any CAN socket `fd`. Returns an error text, e.g. that the
+// interface is down; empty if the interface is usable.
 std::string WrongWithInterface(int fd, const std::string& name, int& index) {
   ifreq request{};
   if (name.empty() || name.size() >= sizeof request.ifr_name)
@@ -50,12 +51,12 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
   if (const std::string wrong = WrongWithInterface(fd, params.interface, index); !wrong.empty())
     return tl::unexpected(place + wrong);
 
-  // Set before bind, so that no other frames ever enter the queue.
+  // Set the filters before bind, so that no other frames enter the queue.
   std::vector<can_filter> filters;
   for (const CanFilter& filter : params.filters)
     filters.push_back({.can_id = filter.id, .can_mask = filter.mask | CAN_EFF_FLAG | CAN_RTR_FLAG});
   if (filters.empty()) filters.push_back({.can_id = 0, .can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG});
-  // the reports of the CAN controller that HandleErrorFrame gets
+  // classes of error frames that HandleErrorFrame evaluates
   const can_err_mask_t errors =
       CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT | CAN_ERR_ACK | CAN_ERR_BUSERROR;
   const int loopback = params.local_loopback ? 1 : 0, on = 1, off = 0;
@@ -65,7 +66,7 @@ tl::expected<std::unique_ptr<SocketCanBus>, std::string> SocketCanBus::Open(cons
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, &loopback, sizeof loopback) != 0 ||
       setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &off, sizeof off) != 0)
     return tl::unexpected(place + "cannot set the socket up: " + SystemReason(errno));
-  // Without these the time of reading is used, and an overflow is not noticed.
+  // If these options are not available, frames get the time of reading, and an overflow is not noticed.
   (void)setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   (void)setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
 
@@ -84,7 +85,7 @@ CanResult SocketCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({
 
 CanResult SocketCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   CanResult result = CanResult::kOk;
-  // drops the first `count` frames and counts them as unsent
+  // removes the first `count` frames from the list and counts them as unsent
   const auto refuse = [&](std::size_t count, CanResult why) {
     status_.unsent += count;
     frames = frames.subspan(count);
@@ -137,11 +138,11 @@ CanResult SocketCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& coun
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Reads a message of the socket. True if it is a data frame, now in `arrival`; reports of the kernel and of
-// the CAN controller update the status.
+// Evaluates a message of the socket. Returns true if it is a data frame, which is then in `arrival`. Reports
+// of the kernel and of the CAN controller update the status.
 bool SocketCanBus::AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                CanArrival& arrival) OSTEON_RT {
-  // the kernel's count of frames that found no room in the socket's queue
+  // read the kernel's counter of frames that were dropped because the socket's queue was full
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
     std::uint32_t dropped = 0;
@@ -195,7 +196,7 @@ void SocketCanBus::HandleErrorFrame(std::uint32_t error_class, const std::uint8_
   if ((state & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0) status_.error_passive = true;
   if ((state & CAN_ERR_CRTL_ACTIVE) != 0) status_.error_passive = status_.error_warning = false;
   if ((state & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
-    ++status_.lost;  // at least one frame, in the controller
+    ++status_.lost;  // the controller lost at least one frame
     gap_ = true;
   }
 }

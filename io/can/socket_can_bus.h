@@ -19,20 +19,21 @@ namespace osteon::io {
 
 struct SocketCanParams {
   std::string interface { "can0" };  ///< a network interface of type CAN that is up
-  std::vector<CanFilter> filters{};  ///< frames to deliver; none: everything
-  /// Show our frames to other programs of this machine (candump, a simulated device on vcan). Our own socket
-  /// never gets its own frames.
+  std::vector<CanFilter> filters{};  ///< frames to deliver; none: all frames
+  /// Whether other programs of this machine receive the sent frames (candump, a simulated device on vcan).
+  /// The sending socket itself never receives them.
   bool local_loopback{false};
 };
 
-/// Linux SocketCAN: a raw socket on one interface, classical frames with 11-bit ids. The kernel filters
-/// 29-bit ids and remote requests out. Reports of the CAN controller (error frames) are counted and go to
-/// status(). After bus-off, Send returns kDown until the controller has restarted (`restart-ms`).
+/// A bus on Linux SocketCAN: a raw socket on one interface, for classical frames with 11-bit identifiers. The
+/// kernel filters out frames with 29-bit identifiers and remote requests. Reports of the CAN controller
+/// (error frames) are counted and update status(). After bus-off, Send returns kDown until the controller has
+/// restarted (`restart-ms`).
 ///
-/// Stamps are the arrival in the kernel. Frames without room in the socket's queue are counted as lost, and
-/// the next frame has after_gap. One system call receives or sends up to 32 frames.
+/// Stamps are the times of arrival in the kernel. Frames that do not fit in the socket's queue are counted as
+/// lost, and the next frame has after_gap set. One system call receives or sends up to 32 frames.
 ///
-/// The system sets an interface up once, as root:
+/// The interface must be set up once, as root:
 ///
 ///     ip link set can0 up type can bitrate 1000000 restart-ms 100
 class SocketCanBus final : public CanBus {
@@ -53,12 +54,12 @@ class SocketCanBus final : public CanBus {
   explicit SocketCanBus(int socket) : socket_(socket) {}
   [[nodiscard]] bool AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                  CanArrival& arrival) OSTEON_RT;
-  // Updates the status by a report of the CAN controller. @param data  the error frame's eight bytes
+  // Updates the status from a report of the CAN controller. @param data  the error frame's eight bytes
   void HandleErrorFrame(std::uint32_t error_class, const std::uint8_t* data) OSTEON_RT;
 
   int socket_;
   CanStatus status_;
-  std::uint32_t overflow_{0};  // the kernel's count of frames without room in our queue
+  std::uint32_t overflow_{0};  // the kernel's counter of frames that did not fit in the socket's queue
   bool gap_{false};            // frames were lost since the last one delivered
   MessageBatch<sizeof(can_frame), 0> out_;
   MessageBatch<sizeof(can_frame), CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> in_;

@@ -14,9 +14,9 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxSkipped = 64;  // datagrams skipped in one call
+constexpr std::size_t kMaxSkipped = 64;  // largest number of datagrams skipped in one call
 
-// "UDP ADDRESS:PORT", for errors.
+// Returns "UDP ADDRESS:PORT", for error texts.
 std::string Place(const std::string& address, std::uint16_t port) {
   return "UDP " + address + ":" + std::to_string(port);
 }
@@ -35,21 +35,21 @@ tl::expected<std::unique_ptr<UdpCanBus>, std::string> UdpCanBus::Open(const UdpC
   if (!bound) return tl::unexpected(bound.error());
   const int fd = bound->socket;
   std::unique_ptr<UdpCanBus> bus(new UdpCanBus(fd, params.filters));  // closes fd on every exit
-  // On a connected socket the system drops datagrams from anybody else.
+  // Connect the socket to the peer, so that the system drops datagrams of other senders.
   if (connect(fd, reinterpret_cast<const sockaddr*>(&*peer), sizeof *peer) != 0)
     return tl::unexpected("CAN tunnel: " + Place(params.bind_address, params.bind_port) +
                           ": cannot reach the peer " + Place(params.peer_address, params.peer_port) + ": " +
                           SystemReason(errno));
   bus->port_ = bound->port;
-  // discard datagrams that arrived from others before the connect
+  // discard datagrams of other senders that arrived before the connect
   for (std::size_t i = 0; i < kMaxSkipped && bus->in_.Receive(fd, 1) > 0; ++i) {
   }
   return bus;
 }
 
 tl::expected<UdpCanBus::Pair, std::string> UdpCanBus::OpenPair() {
-  // The first end is opened before the second one has a port. Until then the first is connected to the
-  // discard port (9), so that it never receives from others.
+  // The first end is opened before the second end has a port. In between, the first end is connected to the
+  // discard port (9), so that it does not receive datagrams of other senders.
   auto first = Open({.bind_port = 0, .peer_port = 9});
   if (!first) return tl::unexpected(first.error());
   auto second = Open({.bind_port = 0, .peer_port = (*first)->port_});
@@ -67,7 +67,7 @@ CanResult UdpCanBus::Send(const CanFrame& frame) OSTEON_RT { return SendAll({&fr
 CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
   CanResult result = CanResult::kOk;
   while (!frames.empty()) {
-    // valid frames before the first invalid one; a frame that is not sent gets no sequence number
+    // number of valid frames before the first invalid one; an invalid frame gets no sequence number
     std::size_t count = 0;
     for (; count < std::min(frames.size(), out_.kMax); ++count) {
       const auto number = sequence_ + static_cast<std::uint32_t>(count);
@@ -82,8 +82,9 @@ CanResult UdpCanBus::SendAll(std::span<const CanFrame> frames) OSTEON_RT {
     sequence_ += static_cast<std::uint32_t>(accepted);
     frames = frames.subspan(accepted);
     if (count > 0 && accepted == count) continue;
-    // The next frame was refused. Without room or socket all the rest fail. It alone fails if it is invalid,
-    // or if the system refused it to report that an earlier datagram was undeliverable.
+    // The system refused the next frame. If its queue is full or the socket is gone, all remaining frames
+    // fail. Only this frame fails if it is invalid, or if the system used the call to report that an earlier
+    // datagram was undeliverable.
     const bool down = sent < 0 && (errno == EBADF || errno == ENOTSOCK);
     const bool full = sent < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS);
     const std::size_t refused = down || full ? frames.size() : 1;
@@ -112,8 +113,8 @@ CanResult UdpCanBus::ReceiveAll(std::span<CanArrival> room, std::size_t& count) 
   return ReceiveBatches(in_, socket_, kMaxSkipped, room, count, classify, deliver);
 }
 
-// Reads a datagram. True if its frame is valid, newer than those before and passes the filters; it is then in
-// `arrival`.
+// Decodes a datagram. Returns true if its frame is valid, newer than the previous frames and passes the
+// filters; the frame is then in `arrival`.
 bool UdpCanBus::AcceptDatagram(std::span<const std::uint8_t> datagram, CanArrival& arrival) OSTEON_RT {
   UdpCanMessage parsed;
   if (DecodeUdpCan(datagram, parsed) != UdpCanError::kNone) {
@@ -135,8 +136,8 @@ CanResult UdpCanBus::Receive(CanArrival& arrival, rt::Nanoseconds deadline) OSTE
   }
 }
 
-// Updates the counts of lost and duplicate frames by the sequence number. False if the frame was received
-// before, or was overtaken by a newer one.
+// Updates the counters of lost and duplicate frames from the sequence number. Returns false if the frame was
+// received before, or was overtaken by a newer one.
 bool UdpCanBus::InOrder(const UdpCanMessage& message) OSTEON_RT {
   if (!heard_ || message.session != peer_session_) {
     heard_ = true;

@@ -21,25 +21,26 @@ namespace osteon::io {
 struct UdpCanParams {
   std::string bind_address{"127.0.0.1"};  ///< IPv4 address of this end
   std::uint16_t bind_port{29536};
-  /// The peer; the system drops datagrams from anybody else.
+  /// IPv4 address of the peer. The system drops datagrams of other senders.
   std::string peer_address{"127.0.0.1"};
   std::uint16_t peer_port{29537};
-  std::vector<CanFilter> filters{};  ///< frames to deliver; none: everything
+  std::vector<CanFilter> filters{};  ///< frames to deliver; none: all frames
 };
 
-/// A CAN bus with two ends over UDP, for simulated cells only: kernels without CAN, and machines on which
-/// nobody may set an interface up. Datagrams as in udp_can_codec.h; untrusted until decoded.
+/// A CAN bus with two ends over UDP (tunnel), for simulated cells only. It is for kernels without CAN, and
+/// for machines on which the user may not set up an interface. The datagrams' format is that of
+/// udp_can_codec.h.
 ///
-/// Frames out of order or received twice are counted and not delivered. A gap in the sender's sequence is
-/// counted as lost, and the next frame has after_gap. A new session of the peer (it was restarted) starts a
-/// new sequence. If nobody listens at the other end, Send returns kFull, like an unconnected bus on which
-/// nothing acknowledges. One system call receives or sends up to 32 frames.
+/// Frames that are out of order or received twice are counted and not delivered. The frames of a gap in the
+/// sender's sequence are counted as lost, and the next frame has after_gap set. If the peer was restarted,
+/// its new session starts a new sequence. If nobody listens at the other end, Send returns kFull, as on a bus
+/// on which no node acknowledges. One system call receives or sends up to 32 frames.
 class UdpCanBus final : public CanBus {
  public:
   /// The error names address and port, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<UdpCanBus>, std::string> Open(const UdpCanParams& params);
 
-  /// Two ends of one bus in this process, on the loopback, at ports that the system chooses.
+  /// Two ends of one bus in this process, on the loopback interface, with ports that the system chooses.
   using Pair = std::pair<std::unique_ptr<UdpCanBus>, std::unique_ptr<UdpCanBus>>;
   [[nodiscard]] static tl::expected<Pair, std::string> OpenPair();
 
@@ -64,13 +65,13 @@ class UdpCanBus final : public CanBus {
   std::uint16_t port_{0};
   std::vector<CanFilter> filters_;
   CanStatus status_;
-  std::uint32_t session_, sequence_{0};          // ours: the sequence number of the next frame
-  std::uint32_t peer_session_{0}, expected_{0};  // the peer's: the next sequence number
-  bool heard_{false};                            // a frame of the peer has come
+  std::uint32_t session_, sequence_{0};  // this end's session, and the sequence number of its next frame
+  std::uint32_t peer_session_{0}, expected_{0};  // the peer's session, and the sequence number expected next
+  bool heard_{false};                            // a frame of the peer has been received
   bool gap_{false};                              // frames were lost since the last one delivered
   MessageBatch<kUdpCanMaxDatagram, 0> out_;
   MessageBatch<kUdpCanMaxDatagram + 1, CMSG_SPACE(sizeof(timespec))>
-      in_;  // one more, to detect oversized datagrams
+      in_;  // one byte more than the format's maximum, to detect oversized datagrams
 };
 
 }  // namespace osteon::io

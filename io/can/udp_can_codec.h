@@ -8,20 +8,20 @@
 #include "base/marker.h"
 #include "io/can/frame.h"
 
-// The UDP tunnel's datagram: one CAN frame, for simulated cells on kernels without CAN. Our own format;
-// big-endian.
+// Format of the UDP tunnel's datagrams. Each contains one CAN frame. The format is defined by this project;
+// numbers are big-endian.
 //
 //     byte  0  u32  magic "OCAN"
 //           4  u8   version, 1
 //           5  u8   length of the data, 0 … 8
 //           6  u16  identifier, 0 … 0x7FF
-//           8  u32  session: chosen anew each time the sender opens
+//           8  u32  session: a new number each time that the sender opens the tunnel
 //          12  u32  sequence: number of the frame in the sender's session, from 0, modulo 2^32
 //          16       the data: exactly `length` bytes to the end of the datagram
 
 namespace osteon::io {
 
-inline constexpr std::size_t kUdpCanHeader = 16;  ///< bytes before the data
+inline constexpr std::size_t kUdpCanHeader = 16;  ///< number of bytes before the data
 inline constexpr std::size_t kUdpCanMaxDatagram = kUdpCanHeader + 8;
 inline constexpr std::uint32_t kUdpCanMagic = 0x4F43414E;
 inline constexpr std::uint8_t kUdpCanVersion = 1;
@@ -32,17 +32,17 @@ struct UdpCanMessage {
   std::uint32_t sequence{0};
 };
 
-/// Why a datagram was refused.
+/// Reason why a datagram was refused.
 enum class UdpCanError : std::uint8_t {
   kNone = 0,
-  kTooShort,  ///< less than a header
+  kTooShort,  ///< shorter than a header
   kMagic,
   kVersion,
-  kLength,  ///< more than 8 data bytes, or not as many as in the header
+  kLength,  ///< more than 8 data bytes, or not the number that the header contains
   kId,      ///< beyond 11 bits
 };
 
-/// One line for screens and logs; not for the tick.
+/// Returns one line of text for screens and logs. Not for use in the tick.
 [[nodiscard]] const char* Describe(UdpCanError error);
 
 /// Decodes a datagram. `message` is changed only if the result is kNone.

@@ -10,15 +10,17 @@
 namespace osteon::io {
 namespace {
 
-// A motion request that the PLC has not granted for this long is withdrawn, then made again.
+// If the PLC has not granted a motion request after this time, the request is withdrawn and then made again.
 constexpr rt::Nanoseconds kGrantTimeout = 400 * rt::kMillisecond;
-// Duration of that withdrawal. Longer than the 100 ms within which a heartbeat writes it to the PLC.
+// Duration of the withdrawal. It is longer than the 100 ms within which the PLC client writes the request
+// with its heartbeat.
 constexpr rt::Nanoseconds kWithdrawal = 150 * rt::kMillisecond;
 // A device that has been silent for this long is set up again.
 constexpr rt::Nanoseconds kSilenceBeforeRetry = rt::kSecond;
-constexpr double kStandstill_rad_per_s = 0.5;  // below this speed a spindle may be switched off
+// below this speed the spindle counts as stopped and may be switched off
+constexpr double kStandstill_rad_per_s = 0.5;
 
-// Makes one manufacturer's sensor, behind the common interface.
+// Makes one manufacturer's sensor and returns it as WrenchSensor.
 template <class Sensor, class Params>
 tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeSensorOf(const Params& params) {
   auto made = Sensor::Make(params);
@@ -26,13 +28,14 @@ tl::expected<std::unique_ptr<WrenchSensor>, std::string> MakeSensorOf(const Para
   return std::make_unique<Sensor>(std::move(*made));
 }
 
-// Visitor of WrenchSensorParams: makes the sensor whose parameters they are.
+// Visitor of WrenchSensorParams: makes the sensor of the manufacturer that the parameters are for.
 struct SensorMaker {
   auto operator()(const RobotousParams& params) const { return MakeSensorOf<RobotousSensor>(params); }
   auto operator()(const AtiParams& params) const { return MakeSensorOf<AtiSensor>(params); }
 };
 
-// A sentence about the drive's faults and what to do. @param resets  attempted so far
+// Returns a sentence that names the drive's faults and says what to do. @param resets number of resets
+// attempted so far
 std::string DriveFaultText(const DriveStatus& status, bool heard, int resets) {
   return fmt::format(
       "reamer drive: {}: {}; {}", Describe(status.state),
@@ -91,7 +94,7 @@ void DeviceClients::Command(const control::CellCommands& commands, rt::Nanosecon
   if (!drive_) return;
   if (drive_silence_.HasExpired(drive_->silent(), now)) drive_->Restart();
   const bool turns = std::abs(drive_->status().speed_rad_per_s) > kStandstill_rad_per_s;
-  // A quick stop goes on to standstill, whatever is commanded meanwhile: a loop may recover within
+  // A quick stop continues until standstill, even if it is no longer commanded: a loop may recover within
   // milliseconds.
   quick_stops_ = commands.quick_stop || (quick_stops_ && turns);
   DriveCommand command;
@@ -111,10 +114,10 @@ bool DeviceClients::UpdateMotionRequest(const control::CellCommands& commands, c
   if (commands.motion_requested && !was_requested_) asked_since_ = now;
   was_requested_ = commands.motion_requested;
   if (!was_requested_) return false;
-  // a granted request does not wait
+  // while the request is granted, the waiting time stays 0
   if (plc.inputs.run_permitted) asked_since_ = now;
   const rt::Nanoseconds waited = now - asked_since_;
-  if (waited > kGrantTimeout + kWithdrawal) asked_since_ = now;  // requests again
+  if (waited > kGrantTimeout + kWithdrawal) asked_since_ = now;  // the withdrawal is over: request again
   return waited <= kGrantTimeout;
 }
 

@@ -16,15 +16,16 @@ namespace osteon::io {
 
 /// A CAN bus of the cell.
 struct CanBusParams {
-  std::string name;              ///< name in the cell's file
-  std::string interface;         ///< of SocketCAN, e.g. can0; empty: a UDP tunnel to a simulated cell
-  std::uint16_t port{0};         ///< UDP port of our end of the tunnel, on the loopback
+  std::string name;       ///< name in the cell's file
+  std::string interface;  ///< name of a SocketCAN interface, e.g. can0; empty: the bus is a UDP tunnel to a
+                          ///< simulated cell
+  std::uint16_t port{0};  ///< UDP port of the controller's end of the tunnel, on the loopback interface
   std::uint16_t device_port{0};  ///< UDP port of the simulated devices' end
 };
 
 using WrenchSensorParams = std::variant<RobotousParams, AtiParams>;
 
-/// The cell's devices beside the arm, and their buses.
+/// Parameters of the cell's devices other than the arm, and of their buses.
 struct DeviceParams {
   std::vector<CanBusParams> buses;
   WrenchSensorParams sensor;
@@ -32,11 +33,12 @@ struct DeviceParams {
   std::optional<ReamerDriveParams> drive;  ///< absent: the tool has no drive
   std::size_t drive_bus{0};                ///< index in `buses`
   std::optional<PlcClientParams> plc;
-  rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< of the PLC's block; twice that for its heartbeat
+  rt::Nanoseconds plc_max_age{100 * rt::kMillisecond};  ///< largest age of the PLC's block of registers;
+                                                        ///< twice that for the last change of its heartbeat
 };
 
-/// Checks the identifiers on each bus: text naming two devices of one bus that use the same identifier; empty
-/// if there are none.
+/// Checks the identifiers on each bus. Returns a text that names two devices of one bus that use the same
+/// identifier; empty if there are no such devices.
 [[nodiscard]] std::optional<std::string> FindOverlap(const DeviceParams& params);
 
 }  // namespace osteon::io

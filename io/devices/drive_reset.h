@@ -5,16 +5,16 @@
 
 namespace osteon::io {
 
-/// Decides when a drive in fault is reset: a few times, with a pause between the attempts, and only while
-/// resets are allowed (control::CellCommands::clear_faults). A fault that comes back after each reset needs a
-/// person.
+/// Decides when a drive in fault is reset: at most kAttempts times, with a pause between the attempts, and
+/// only while resets are allowed (control::CellCommands::clear_faults). If the fault returns after each
+/// reset, a person must remove its cause.
 class DriveReset {
  public:
   static constexpr int kAttempts = 3;
   /// Pause between two attempts: longer than a drive takes to boot and answer.
   static constexpr rt::Nanoseconds kBetween = rt::kSecond / 2;
 
-  /// Call once a tick. True if a reset should be tried now; call Count() after a reset.
+  /// Call once per tick. Returns true if a reset should be tried now; call Count() after the reset.
   [[nodiscard]] bool IsDue(bool allowed, bool faulty, rt::Nanoseconds now) OSTEON_RT {
     if (!allowed) attempts_ = 0;
     return allowed && faulty && attempts_ < kAttempts && (attempts_ == 0 || now - last_ >= kBetween);
@@ -24,7 +24,7 @@ class DriveReset {
     ++attempts_;
     last_ = now;
   }
-  /// Number of resets since they were allowed.
+  /// Number of resets counted since resets were allowed.
   [[nodiscard]] int attempts() const OSTEON_RT { return attempts_; }
 
  private:

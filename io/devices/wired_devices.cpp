@@ -6,7 +6,7 @@
 namespace osteon::io {
 namespace {
 
-// Converts the result of opening either kind of bus to the common interface.
+// Converts the result of opening a SocketCanBus or a UdpCanBus to the interface CanBus.
 template <class Bus>
 tl::expected<std::unique_ptr<CanBus>, std::string> AsBus(
     tl::expected<std::unique_ptr<Bus>, std::string> opened) {

@@ -13,20 +13,20 @@
 
 namespace osteon::io {
 
-/// The cell's devices in wall time: CAN buses that are pumped once a tick, and the PLC's own thread.
+/// The cell's devices in wall time. CAN buses are pumped once per tick; the PLC's client has its own thread.
 /// Exchange() never waits. One thread at a time.
 class WiredDevices final : public control::CellDevices {
  public:
-  /// Opens buses and connection; the devices at their other end may come later. The error names bus or
-  /// device, and says what to do.
+  /// Opens the buses and starts the PLC's client. The devices may be switched on later. The error names bus
+  /// or device, and says what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<WiredDevices>, std::string> Open(
       const DeviceParams& params);
 
-  /// Sends the commands, and returns the newest readings of all devices. Call once a tick.
+  /// Sends the commands, and returns the newest readings of all devices. Call once per tick.
   [[nodiscard]] control::CellReadings Exchange(const control::CellCommands& commands,
                                                rt::Nanoseconds now) OSTEON_RT override;
 
-  /// What keeps the cell from moving; see DeviceClients. Not for the tick.
+  /// Returns what prevents the cell from moving; see DeviceClients::Diagnosis. Not for use in the tick.
   [[nodiscard]] std::string Diagnosis();
 
  private:

@@ -13,8 +13,8 @@
 #include "io/engine/byte_cursor.h"
 #include "io/engine/codec.h"
 
-// Transfers a block of bytes (a set-up, a carved state) in datagrams. The receiver asks for pieces, and asks
-// again for those that did not come; the sender only answers.
+// Transfers a block of bytes (a set-up, a carved state) in datagrams. The receiver requests pieces of the
+// block, and requests missing pieces again. The sender only answers requests.
 
 namespace osteon::io {
 
@@ -22,11 +22,11 @@ enum class EngineBlock : std::uint8_t { kSetup = 0, kCarved = 1 };
 
 /// Bytes of a block in one message; the last piece may be shorter.
 inline constexpr std::size_t kPieceBytes = 1280;
-/// Most pieces asked for at once: together below the socket buffers of any system.
+/// Largest number of pieces in one request. Their total size is below that of any system's socket buffers.
 inline constexpr std::size_t kWindowPieces = 32;
-/// A larger block is refused.
+/// Largest block; a larger one is refused.
 inline constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
-/// Missing pieces are asked for again after this time.
+/// Time after which missing pieces are requested again.
 inline constexpr rt::Nanoseconds kAskAgain = 20 * rt::kMillisecond;
 
 /// A request for `count` pieces of a block, from number `first` on.
@@ -36,7 +36,7 @@ struct EngineWant {
   std::uint32_t count{0};
 };
 
-/// Encodes a request as a whole message. @param header  with the kind kWant
+/// Encodes a request as a complete message. @param header its kind must be kWant
 inline EngineBytes EncodeWant(const EngineHeader& header, const EngineWant& want) {
   std::array<std::uint8_t, 13> content;
   ByteWriter writer(content);
@@ -48,7 +48,7 @@ inline EngineBytes EncodeWant(const EngineHeader& header, const EngineWant& want
   return bytes;
 }
 
-/// Decodes a message's content; nothing if it is no valid request.
+/// Decodes a message's content; returns nothing if it is no valid request.
 [[nodiscard]] inline std::optional<EngineWant> DecodeWant(std::span<const std::uint8_t> content) {
   ByteReader reader(content);
   EngineWant want;
@@ -82,7 +82,7 @@ class BlockReceiver {
   BlockReceiver(EngineBlock block, std::uint64_t size)
       : block_(block), bytes_(size), has_((size + kPieceBytes - 1) / kPieceBytes, false) {}
 
-  /// Stores the content of a kPiece message. False if it is no piece of this block.
+  /// Stores the content of a kPiece message. Returns false if it is no piece of this block.
   bool Accept(std::span<const std::uint8_t> content) {
     ByteReader reader(content);
     const auto block = reader.Get<EngineBlock>();
@@ -99,7 +99,7 @@ class BlockReceiver {
   }
   [[nodiscard]] bool complete() const { return missing_ == has_.size(); }
 
-  /// The next request for pieces, once the answer to the last request is complete or overdue.
+  /// Returns the next request for pieces, if the answer to the last request is complete or overdue.
   [[nodiscard]] std::optional<EngineWant> NextWant(rt::Nanoseconds now) {
     if (complete() || (missing_ < asked_to_ && now - asked_at_ < kAskAgain)) return std::nullopt;
     asked_at_ = now;
@@ -107,15 +107,15 @@ class BlockReceiver {
     return EngineWant{
         .block = block_, .first = missing_, .count = static_cast<std::uint32_t>(asked_to_ - missing_)};
   }
-  /// Moves the block's bytes out, once complete.
+  /// Moves the block's bytes out. Call once the block is complete.
   [[nodiscard]] std::vector<std::uint8_t> TakeBytes() { return std::move(bytes_); }
 
  private:
   EngineBlock block_;
   std::vector<std::uint8_t> bytes_;
-  std::vector<bool> has_;      // for each piece: it has come
-  std::uint64_t missing_{0};   // number of the first piece that has not come
-  std::uint64_t asked_to_{0};  // end of the pieces asked for last
+  std::vector<bool> has_;      // for each piece: whether it was received
+  std::uint64_t missing_{0};   // number of the first missing piece
+  std::uint64_t asked_to_{0};  // end of the range of pieces requested last
   rt::Nanoseconds asked_at_{0};
 };
 

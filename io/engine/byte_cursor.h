@@ -13,8 +13,8 @@ namespace osteon::io {
 
 static_assert(std::endian::native == std::endian::little, "numbers cross as they lie in memory");
 
-/// Appends numbers, little-endian, to a buffer of fixed size. From the first value that does not fit, nothing
-/// more is written, and ok() is false.
+/// Appends numbers, little-endian, to a buffer of fixed size. After the first value that does not fit,
+/// nothing more is written, and ok() is false.
 class ByteWriter {
  public:
   explicit ByteWriter(std::span<std::uint8_t> room) : room_(room) {}
@@ -30,7 +30,7 @@ class ByteWriter {
     std::memcpy(room_.data() + at_, bytes.data(), bytes.size());
     at_ += bytes.size();
   }
-  /// Bytes written.
+  /// Number of bytes written.
   [[nodiscard]] std::size_t size() const OSTEON_RT { return at_; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
 
@@ -40,7 +40,7 @@ class ByteWriter {
   bool ok_{true};
 };
 
-/// Reads numbers, little-endian, from bytes. Reading beyond the end gives zeros, and ok() is false from then
+/// Reads numbers, little-endian, from bytes. A read beyond the end returns zero, and ok() is false from then
 /// on.
 class ByteReader {
  public:
@@ -59,14 +59,14 @@ class ByteReader {
     Get(value);
     return value;
   }
-  /// The next `size` bytes; empty if fewer are left.
+  /// Returns the next `size` bytes; empty if fewer are left.
   [[nodiscard]] std::span<const std::uint8_t> GetBytes(std::size_t size) OSTEON_RT {
     ok_ = ok_ && size <= bytes_.size() - at_;
     if (!ok_) return {};
     at_ += size;
     return bytes_.subspan(at_ - size, size);
   }
-  /// Bytes not read yet.
+  /// Number of bytes not read yet.
   [[nodiscard]] std::size_t left() const OSTEON_RT { return bytes_.size() - at_; }
   [[nodiscard]] bool ok() const OSTEON_RT { return ok_; }
 

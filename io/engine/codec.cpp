@@ -9,12 +9,13 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kCrcAt = 12;          // byte of the header at which the CRC-32 begins
-constexpr double kMaxValue = 1e9;           // bound on every number, in SI units: far beyond any cell
-constexpr double kMaxRotationError = 1e-6;  // largest difference of an element of R R^T from the identity's
-constexpr double kMaxDt_s = 1.0;            // largest EngineCommand::dt_s
+constexpr std::size_t kCrcAt = 12;  // position of the CRC-32 in the header
+constexpr double kMaxValue = 1e9;   // bound on every number's magnitude, in SI units: far beyond any cell
+// Largest difference between an element of R R^T and that of the identity.
+constexpr double kMaxRotationError = 1e-6;
+constexpr double kMaxDt_s = 1.0;  // largest EngineCommand::dt_s
 
-// CRC-32 of a message without its own four bytes.
+// CRC-32 of a message, computed without the four bytes of the CRC-32 itself.
 std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
   const uLong first = crc32_z(0, message.data(), kCrcAt);
   const std::span<const std::uint8_t> rest = message.subspan(kCrcAt + sizeof(std::uint32_t));
@@ -23,7 +24,7 @@ std::uint32_t Checksum(std::span<const std::uint8_t> message) OSTEON_RT {
 
 bool IsAccepted(double value) OSTEON_RT { return std::abs(value) <= kMaxValue; }  // false for NaN
 
-// Whether R is a rotation, row by row; false for NaN.
+// Whether R (row-major) is a rotation; false for NaN.
 bool IsRotation(const std::array<double, 9>& R) OSTEON_RT {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i; j < 3; ++j) {
@@ -37,9 +38,9 @@ bool IsRotation(const std::array<double, 9>& R) OSTEON_RT {
   return det > 0.0;
 }
 
-// Encoding and decoding share one list of a message's fields (Visit), so that they cannot differ. The list
-// calls Field for each value: FieldReader reads and checks the value, FieldWriter writes it. Require is a
-// check of several values, made when reading.
+// Encoding and decoding use the same list of a message's fields (Visit), so they cannot differ. Visit calls
+// Field for each value: FieldReader reads and checks the value, FieldWriter writes it. Require checks a
+// condition on several values when reading.
 class FieldReader {
  public:
   explicit FieldReader(std::span<const std::uint8_t> content) : reader_(content) {}
@@ -130,17 +131,17 @@ void Visit(Fields& fields, EngineFrame& f) OSTEON_RT {
   fields.Require(m.pose_stamp >= 0 && f.duration_ns >= 0);
 }
 
-// Encodes a command or a frame as a whole message.
+// Encodes a command or a frame as a complete message.
 template <class Message>
 void EncodeFields(const EngineHeader& header, const Message& message, EngineBytes& out) OSTEON_RT {
   std::array<std::uint8_t, kEngineMaxMessage - kEngineHeaderBytes> content;
   FieldWriter fields(content);
-  Message copy = message;  // Visit needs a message that can be changed, since it also decodes
+  Message copy = message;  // Visit needs a non-const message, because it also decodes
   Visit(fields, copy);
   EncodeEngine(header, {content.data(), fields.writer().size()}, out);
 }
 
-// Decodes a whole message of one kind. An error leaves `out` unchanged.
+// Decodes a complete message of one kind. In case of an error `out` is not changed.
 template <class Message>
 EngineError DecodeFields(EngineMessage kind, std::span<const std::uint8_t> bytes, EngineHeader& header,
                          Message& out) OSTEON_RT {

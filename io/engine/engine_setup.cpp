@@ -14,14 +14,14 @@ namespace osteon::io {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic{'O', 'S', 'T', 'E', 'N', 'S', 'E', 'T'};
-constexpr std::uint32_t kVersion = 2;                                          // version 1 had no edges
+constexpr std::uint32_t kVersion = 2;  // version of the format; version 1 had no edges
 constexpr std::size_t kHeadBytes = kMagic.size() + 2 * sizeof(std::uint32_t);  // magic, version, CRC
-constexpr std::size_t kMaxText = 4096;                                         // bytes of a name
-// Bound on coordinates and radii: far beyond any bone.
+constexpr std::size_t kMaxText = 4096;  // largest size of a name [bytes]
+// Bound on coordinates and radii, far larger than any bone.
 constexpr double kMax_m = 1e3;
-// Largest difference of an element of R R^T from the identity's.
+// Largest difference between an element of R R^T and that of the identity.
 constexpr double kMaxRotationError = 1e-6;
-// Bytes that an item of each list takes at least; a material's name may be empty.
+// Smallest size of an item of each list [bytes]; a material's name may be empty.
 constexpr std::size_t kBallBytes = 32, kPointBytes = 33, kToolBallBytes = 34;
 constexpr std::size_t kMaterialBytes = sizeof(std::uint32_t) + 6 * sizeof(double);
 
@@ -29,7 +29,7 @@ std::uint32_t Checksum(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
 }
 
-// Appends values, little-endian, to a growing list of bytes.
+// Appends values to a growing list of bytes, little-endian.
 class Output {
  public:
   template <class T>
@@ -61,21 +61,21 @@ class Input {
     if (!reader_.ok()) Refuse(fmt::format("{}: found the end of the bytes, accepted a value", what));
     return value;
   }
-  // A number of the range [min, max]; NaN is refused.
+  // Reads a number in the range [min, max]; refuses NaN.
   double Number(const char* what, double min, double max) {
     const auto value = Take<double>(what);
     if (!(value >= min && value <= max))
       Refuse(fmt::format("{}: found {:g}, accepted {:g} … {:g}", what, value, min, max));
     return value;
   }
-  // Three coordinates, each at most kMax_m.
+  // Reads three coordinates, each with a magnitude of at most kMax_m.
   PlainVector3 Point(const char* what) {
     PlainVector3 p;
     for (double* value : {&p.x, &p.y, &p.z}) *value = Number(what, -kMax_m, kMax_m);
     return p;
   }
   bool Flag(const char* what) { return Word(what, 2) == 1; }
-  // A byte of the range 0 … values - 1.
+  // Reads a byte in the range 0 … values - 1.
   std::uint8_t Word(const char* what, int values) {
     const auto value = Take<std::uint8_t>(what);
     if (value >= values) Refuse(fmt::format("{}: found {}, accepted 0 … {}", what, value, values - 1));
@@ -89,8 +89,8 @@ class Input {
     if (!reader_.ok()) Refuse(fmt::format("{}: found the end of the bytes, accepted {} more", what, size));
     return {bytes.begin(), bytes.end()};
   }
-  /// Reads the number of items that follow, each of `bytes_each` bytes. A number for which too few bytes are
-  /// left is refused, so that nothing is allocated for it.
+  /// Reads the number of items that follow, each of `bytes_each` bytes. If too few bytes are left for that
+  /// number of items, it is refused, so that no memory is allocated for them.
   std::size_t Count(const char* what, std::size_t min, std::size_t bytes_each) {
     const auto count = Take<std::uint64_t>(what);
     if (count < min || count > reader_.left() / bytes_each)
@@ -98,7 +98,7 @@ class Input {
                          reader_.left() / bytes_each));
     return ok() ? static_cast<std::size_t>(count) : 0;
   }
-  // Keeps the error, unless there was one before.
+  // Stores the error, unless there is an earlier one.
   void Refuse(std::string wrong) {
     if (wrong_.empty()) wrong_ = std::move(wrong);
   }

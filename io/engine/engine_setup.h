@@ -13,20 +13,20 @@
 
 namespace osteon::io {
 
-/// Everything from which an engine is made. A run sends it, so that both sides have the same bone to the last
-/// bit, however it was packed.
+/// All data from which an engine is made. The run sends it, so that both sides have bit-identical bones,
+/// independent of how the bone was packed.
 struct EngineSetup {
   simulation::Bone bone;
-  simulation::Tool tool;  ///< its balls; an engine needs no mass
+  simulation::Tool tool;  ///< only its balls are used; an engine does not need the tool's mass
   PlainPose X_WG;
   simulation::CuttingParams cutting;
 };
 
-/// Little-endian, with version and CRC-32. The texts that tell where a material's figures come from are left
-/// out.
+/// Encodes a set-up, little-endian, with version and CRC-32. The texts about the sources of a material's
+/// values are omitted.
 [[nodiscard]] std::vector<std::uint8_t> EncodeSetup(const EngineSetup& setup);
-/// Verifies everything, and allocates at most in proportion to the bytes. The error says what was found and
-/// what is accepted.
+/// Decodes a set-up and checks all of it. The memory that it allocates is at most proportional to the number
+/// of bytes. The error says what was found and what is accepted.
 [[nodiscard]] tl::expected<EngineSetup, std::string> DecodeSetup(std::span<const std::uint8_t> bytes);
 
 }  // namespace osteon::io

@@ -24,21 +24,22 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<char, 8> kMagic{'O', 'S', 'T', 'S', 'H', 'A', 'R', 'E'};
-// Prefix of the folders of all runs.
+// Prefix of the names of all runs' folders.
 constexpr const char* kPrefix = "osteon_engine_";
-// Shared memory is polled at these intervals: for a command (one comes each millisecond), for a frame, and
-// for the engine's state at the end.
+// Intervals at which shared memory is polled: for a command (one arrives each millisecond), for a frame, and
+// for the engine's state at the end of the run.
 constexpr rt::Nanoseconds kCommandPoll = 50'000, kFramePoll = 100'000, kStatePoll = 5 * rt::kMillisecond;
-// Time between two checks whether the run still lives.
+// Interval between two checks whether the run's process still exists.
 constexpr rt::Nanoseconds kRunCheck = 100 * rt::kMillisecond;
 
-// Returns the system's folder for shared memory, or the one for temporary files if there is none.
+// Returns the system's folder for shared memory, or the folder for temporary files if the system has none.
 fs::path SharedFolder() {
   std::error_code error;
   return fs::is_directory("/dev/shm", error) ? fs::path("/dev/shm") : fs::temp_directory_path();
 }
 
-// Removes the folders of runs that have ended: nobody holds the lock of their segment.
+// Removes the folders of runs that have ended. Such a folder is recognised because no process holds the lock
+// on its segment.
 void RemoveStale(const fs::path& parent) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(parent, error)) {
@@ -48,27 +49,28 @@ void RemoveStale(const fs::path& parent) {
       continue;
     const int file = open((entry.path() / "segment").c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (file < 0) continue;
-    struct stat segment {};  // a segment that is still empty belongs to a run that is just being created
+    struct stat segment {};  // an empty segment belongs to a run that is just being created
     if (fstat(file, &segment) == 0 && segment.st_size > 0 && flock(file, LOCK_EX | LOCK_NB) == 0)
       fs::remove_all(entry.path(), error);
     close(file);
   }
 }
 
-// Maps the segment into this process; null if the system refuses.
+// Maps the segment into this process; returns null on failure.
 SharedEngine* Map(int file) {
   void* at = mmap(nullptr, sizeof(SharedEngine), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file, 0);
   return at == MAP_FAILED ? nullptr : static_cast<SharedEngine*>(at);
 }
 
-// Copies a text into shared memory, cut to the room and ended by a zero.
+// Copies a text into shared memory, truncated to the available size and terminated by a zero.
 template <std::size_t kSize>
 void WriteSharedText(const std::string& text, std::array<char, kSize>& to) {
   to.fill('\0');
   std::copy_n(text.begin(), std::min(text.size(), kSize - 1), to.begin());
 }
 
-// Copies a text out of shared memory; control characters become blanks, as the text will be printed.
+// Copies a text out of shared memory. Control characters are replaced by blanks, because the text will be
+// printed.
 template <std::size_t kSize>
 std::string ReadSharedText(const std::array<char, kSize>& from) {
   const auto end = std::find(from.begin(), from.end(), '\0');
@@ -85,7 +87,7 @@ tl::expected<std::vector<std::uint8_t>, std::string> ReadFile(const fs::path& pa
   return bytes;
 }
 
-// Returns an empty string, or the error.
+// Writes a file. Returns the error text; empty on success.
 std::string WriteFile(const fs::path& path, std::span<const std::uint8_t> bytes) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -121,7 +123,7 @@ tl::expected<std::unique_ptr<LocalEngineClient>, std::string> LocalEngineClient:
   return client;
 }
 
-// A new file is all zeros, so members of SharedEngine that are not written here begin as zero.
+// A new file contains zeros, so those members of SharedEngine that are not written here are zero initially.
 LocalEngineClient::LocalEngineClient(std::filesystem::path folder, int file, SharedEngine* shared)
     : folder_(std::move(folder)),
       file_(file),
@@ -264,7 +266,8 @@ LocalEngineServer::~LocalEngineServer() {
 
 bool LocalEngineServer::IsRunGone() const {
   if (shared_->run.load(std::memory_order_acquire) == SharedState::kEnded) return true;
-  if (flock(file_, LOCK_SH | LOCK_NB) != 0) return false;  // the run lives: it holds the lock
+  // the run's process holds the lock, so it still exists
+  if (flock(file_, LOCK_SH | LOCK_NB) != 0) return false;
   flock(file_, LOCK_UN);
   return true;
 }
@@ -308,7 +311,7 @@ void LocalEngineServer::Publish(const EngineFrame& frame) {
   EncodeEngine({.kind = EngineMessage::kFrame, .session = session_, .sequence = ++made_}, frame,
                frame_bytes_);
   models_.Store(frame_bytes_);
-  // If the ring is full, the frame is dropped: a gap in the sequence numbers tells the run.
+  // If the ring is full, the frame is dropped. The run notices this by the gap in the sequence numbers.
   static_cast<void>(shared_->frames.Push(frame_bytes_));
 }
 

@@ -12,16 +12,17 @@
 #include "io/engine/engine_ports.h"
 #include "io/engine/shared_memory.h"
 
-// A run and its engine on one machine: a folder in the system's shared memory that the run's user alone may
-// enter. The run makes it, names it to the engine's process, and removes it at its end.
+// Connection of a run and its engine on one machine, by a folder in the system's shared memory that only the
+// run's user may enter. The run creates the folder, passes its name to the engine's process, and removes it
+// at the end.
 //
-//     FOLDER/segment   SharedEngine, mapped by both; the run holds a lock on it as long as it lives
+//     FOLDER/segment   SharedEngine, mapped by both processes; the run holds a lock on it as long as its process exists
 //     FOLDER/setup     EngineSetup, written before the engine starts
 //     FOLDER/carved    the carved state, written by the engine at the end
 
 namespace osteon::io {
 
-/// The run's side.
+/// The run's side of the connection.
 class LocalEngineClient final : public EngineClient {
  public:
   /// Creates the folder. Also removes the folders of runs that ended without removing theirs.
@@ -32,11 +33,11 @@ class LocalEngineClient final : public EngineClient {
   LocalEngineClient& operator=(const LocalEngineClient&) = delete;
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  /// The engine's progress, as the engine itself reports it.
+  /// The state that the engine reports.
   [[nodiscard]] SharedState state() const { return shared_->engine.load(std::memory_order_acquire); }
-  /// Reads the engine's name and device. Call once state() says that it runs.
+  /// Reads the engine's name and device. Call after state() has become kRunning.
   void ReadNames();
-  /// Why the engine failed. Call once state() says that it has.
+  /// Returns why the engine failed. Call after state() has become kFailed.
   [[nodiscard]] std::string ReadError() const;
 
   [[nodiscard]] const simulation::ContactModel& Load() OSTEON_RT override;
@@ -58,7 +59,8 @@ class LocalEngineClient final : public EngineClient {
   SharedEngine* shared_;
   SlotWriter commands_;
   SlotReader models_;
-  std::uint64_t session_, sent_{0}, next_frame_{1};  // commands sent; number of the frame expected next
+  // number of commands sent; sequence number of the frame expected next
+  std::uint64_t session_, sent_{0}, next_frame_{1};
   EngineBytes command_bytes_, model_bytes_, frame_bytes_;
   EngineFrame newest_;
   std::atomic<std::uint64_t> rejected_{0};
@@ -66,7 +68,7 @@ class LocalEngineClient final : public EngineClient {
   std::string engine_, device_;
 };
 
-/// The engine's side.
+/// The engine's side of the connection.
 class LocalEngineServer final : public EngineServer {
  public:
   /// Opens a folder that a run has created. The error says what is wrong with it.
@@ -77,7 +79,7 @@ class LocalEngineServer final : public EngineServer {
   LocalEngineServer& operator=(const LocalEngineServer&) = delete;
 
   [[nodiscard]] tl::expected<std::vector<std::uint8_t>, std::string> ReadSetup() const;
-  /// Reports to the run that the engine runs, with its name and device.
+  /// Reports to the run that the engine is running, with the engine's name and device.
   void SetRunning(const std::string& engine, const std::string& device);
   /// Reports to the run why the engine could not start.
   void SetFailed(const std::string& why);
@@ -96,7 +98,7 @@ class LocalEngineServer final : public EngineServer {
   SharedEngine* shared_;
   SlotReader commands_;
   SlotWriter models_;
-  std::uint64_t session_, made_{0};  // frames made
+  std::uint64_t session_, made_{0};  // number of frames made
   EngineBytes command_bytes_, frame_bytes_;
   rt::Nanoseconds run_checked_at_{0};
 };

@@ -9,8 +9,8 @@
 #include "base/marker.h"
 #include "io/engine/codec.h"
 
-// The memory that a run and its engine share. Neither side trusts its content: each copies a message out
-// before it decodes it, and bounds every index that the other side could have written.
+// The memory that a run and its engine share. Neither side relies on valid content: each side copies a
+// message before it decodes the message, and bounds every index that the other side can write.
 
 namespace osteon::io {
 
@@ -24,16 +24,16 @@ struct alignas(64) SharedMessage {
   std::array<std::uint8_t, kEngineMaxMessage> bytes;
 };
 
-/// The shared part of a wait-free hand-over of the newest message, as rt::LatestValue hands over a value: a
-/// triple buffer. The atomic byte holds the index of the buffer that belongs to neither side; each side keeps
-/// the index of its own buffer in its own process.
+/// The shared part of a triple buffer that passes the newest message without waiting (rt::LatestValue does
+/// the same within a process). Each side owns one buffer and stores that buffer's index in its own process.
+/// The atomic byte `middle` holds the index of the third buffer.
 ///
 /// Writer: one SlotWriter; reader: one SlotReader. Memory order: both exchange with acquire and release.
 struct SharedSlot {
   static constexpr std::uint8_t kIndex = 3;  ///< mask of the index in `middle`
   static constexpr std::uint8_t kFresh = 4;  ///< bit in `middle`: the reader does not have this message yet
   std::array<SharedMessage, 3> messages;
-  alignas(64) std::atomic<std::uint8_t> middle;  ///< 1 at the beginning
+  alignas(64) std::atomic<std::uint8_t> middle;  ///< initially 1
 };
 
 /// The writer of a SharedSlot.
@@ -59,7 +59,7 @@ class SlotWriter {
 class SlotReader {
  public:
   explicit SlotReader(SharedSlot& slot) : slot_(slot) {}
-  /// Copies the newest message out. False if there was no newer one.
+  /// Copies the newest message. Returns false if there is no new message.
   bool Load(EngineBytes& message) OSTEON_RT {
     if ((slot_.middle.load(std::memory_order_relaxed) & SharedSlot::kFresh) == 0) return false;
     const std::uint8_t old = slot_.middle.exchange(front_, std::memory_order_acq_rel) & SharedSlot::kIndex;
@@ -69,7 +69,7 @@ class SlotReader {
     return true;
   }
 
-  /// Copies a message out; an impossible size gives an empty message.
+  /// Copies a message; if its size is invalid, the result is empty.
   static void Copy(const SharedMessage& from, EngineBytes& to) OSTEON_RT {
     const std::uint32_t size = from.size;
     to.size = size <= to.bytes.size() ? size : 0;
@@ -81,8 +81,8 @@ class SlotReader {
   std::uint8_t front_{2};
 };
 
-/// Passes every frame, in order, from one writer to one reader; a full ring refuses a frame. Memory order:
-/// the writer releases `written`, the reader releases `read`.
+/// A ring that passes all frames in order from one writer to one reader. A full ring refuses further frames.
+/// Memory order: the writer releases `written`, the reader releases `read`.
 struct SharedRing {
   static constexpr std::size_t kMessages = 1024;  // 1 s at 1000 frames/s
   std::array<SharedMessage, kMessages> messages;

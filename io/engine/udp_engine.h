@@ -16,26 +16,27 @@
 #include "io/engine/block_transfer.h"
 #include "io/engine/engine_ports.h"
 
-// A run and its engine on two machines, or on one, over UDP. The engine serves one run at a time: from that
-// run's greeting on, nobody else is heard. A lost message is not sent again: a newer pose or model follows.
-// Only blocks (block_transfer.h) are requested until they are complete.
+// Connection of a run and its engine by UDP, on one machine or on two. The engine serves one run at a time:
+// after a run's greeting (kHello), it refuses other runs. A lost message is not repeated, because a newer
+// pose or model follows. Only the pieces of blocks (block_transfer.h) are requested until the block is
+// complete.
 
 namespace osteon::io {
 
-/// The longest token that a greeting may carry.
+/// Largest size of the token in a greeting [bytes].
 inline constexpr std::size_t kMaxToken = 256;
-/// After this long without a message from its run, an engine is free for the next run.
+/// After this time without a message from its run, an engine is free for another run.
 inline constexpr rt::Nanoseconds kRunSilence = 5 * rt::kSecond;
-/// Interval at which a run greets its engine while it has no command to send.
+/// Interval at which a run sends greetings to its engine while it has no command to send.
 inline constexpr rt::Nanoseconds kGreetEvery = 100 * rt::kMillisecond;
 
-/// The state of an engine toward a run, as its welcome tells it.
+/// The engine's state with respect to a run, as reported in a welcome message.
 enum class EngineProgress : std::uint8_t {
   kTakesSetup,  ///< the run's set-up is being received
   kMakes,       ///< the engine is being made
   kRuns,
-  kCarved,   ///< ended: the carved state can be fetched
-  kBusy,     ///< serves another run
+  kCarved,   ///< the engine has ended; the carved state can be fetched
+  kBusy,     ///< the engine serves another run
   kRefused,  ///< the token is wrong, or the engine could not be made
 };
 
@@ -47,7 +48,7 @@ struct UdpEngineParams {
   rt::Nanoseconds ready_within{120 * rt::kSecond};  ///< longest wait until the engine is made
 };
 
-/// The run's side. The servo thread calls Load and Store; one other thread receives.
+/// The run's side of the connection. The servo thread calls Load and Store; one other thread receives.
 class UdpEngineClient final : public EngineClient {
  public:
   /// Greets the engine's process, sends the set-up, and waits until the engine is made. The error says what
@@ -76,21 +77,22 @@ class UdpEngineClient final : public EngineClient {
     std::uint64_t carved_bytes{0};
     std::string engine, device, error;
   };
-  // Greets until the engine runs, sending it the set-up. Returns an empty string, or the error.
+  // Sends greetings and the set-up until the engine runs. Returns the error text; empty on success.
   [[nodiscard]] std::string Greet();
   void SendHello();
   void SendBytes(const EngineBytes& bytes) OSTEON_RT;
   void SendCommand(const EngineCommand& command) OSTEON_RT;
-  // Waits for one message of the engine. False if none came.
+  // Waits for one message from the engine. Returns false if none arrived until `deadline`.
   bool Receive(rt::Nanoseconds deadline, EngineHeader& header, std::span<const std::uint8_t>& content);
   [[nodiscard]] static std::optional<Welcome> DecodeWelcome(std::span<const std::uint8_t> content);
 
   int socket_;
   UdpEngineParams params_;
   std::vector<std::uint8_t> setup_;
-  std::uint64_t session_{0};                       // 0: no welcome yet
-  std::uint64_t sent_{0}, greeted_{0}, asked_{0};  // commands, greetings and pieces sent
-  std::uint64_t next_frame_{1};                    // number of the frame expected next
+  std::uint64_t session_{0};  // 0: no welcome yet
+  // numbers of commands, greetings and pieces sent
+  std::uint64_t sent_{0}, greeted_{0}, asked_{0};
+  std::uint64_t next_frame_{1};  // number of the frame expected next
   rt::Nanoseconds last_stamp_{0}, hello_at_{0};
   EngineBytes command_bytes_;
   std::array<std::uint8_t, kEngineMaxMessage + 1> in_;
@@ -101,11 +103,11 @@ class UdpEngineClient final : public EngineClient {
 
 struct UdpServerParams {
   std::string address{"127.0.0.1"};
-  std::uint16_t port{0};  ///< 0: any free one
-  std::string token{};    ///< that a greeting must carry; empty: any greeting is accepted
+  std::uint16_t port{0};  ///< 0: any free port
+  std::string token{};    ///< token that a greeting must contain; empty: every greeting is accepted
 };
 
-/// The engine's side.
+/// The engine's side of the connection.
 class UdpEngineServer final : public EngineServer {
  public:
   [[nodiscard]] static tl::expected<std::unique_ptr<UdpEngineServer>, std::string> Open(
@@ -115,23 +117,25 @@ class UdpEngineServer final : public EngineServer {
   UdpEngineServer& operator=(const UdpEngineServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Waits for a run's set-up, at most until `deadline`; nothing if none came, or only part of it.
+  /// Waits for a run's set-up, at most until `deadline`. Returns nothing if no set-up or only a part of it
+  /// arrived.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> AwaitSetup(rt::Nanoseconds deadline);
-  /// Tells the run that the engine is made, with its name and device; or (SetFailed) why there is none.
+  /// Tells the run that the engine is running, with its name and device. SetFailed tells why there is no
+  /// engine.
   void SetRunning(const std::string& engine, const std::string& device);
   void SetFailed(const std::string& why);
 
   [[nodiscard]] EngineEvent Await(EngineCommand& command, rt::Nanoseconds deadline) override;
   void Publish(const EngineFrame& frame) override;
   void PutCarved(std::vector<std::uint8_t> bytes) override;
-  /// Ends the session with the present run, and is free for the next.
+  /// Ends the session with the present run; the server is then free for another run.
   void ResetSession();
 
   [[nodiscard]] const EngineCounters& counters() const { return counters_; }
 
  private:
   explicit UdpEngineServer(int socket, std::uint16_t port, std::string token);
-  // Kind of a message received; a greeting is already answered.
+  // Kind of a received message. Greetings have already been answered.
   enum class Heard : std::uint8_t { kNothing, kHello, kCommand, kWant, kPiece, kEnd, kGoodbye };
   Heard Receive(rt::Nanoseconds deadline, EngineHeader& header, std::span<const std::uint8_t>& content);
   // Whether the sender is the present run.
@@ -147,8 +151,8 @@ class UdpEngineServer final : public EngineServer {
   std::optional<sockaddr_in> peer_;
   rt::Nanoseconds heard_{0};                 // time of the run's last message
   std::uint64_t session_{0};                 // 0: no run
-  std::uint64_t made_{0}, last_command_{0};  // frames made; number of the newest command
-  std::uint64_t sent_{0};                    // messages sent other than frames
+  std::uint64_t made_{0}, last_command_{0};  // number of frames made; sequence number of the newest command
+  std::uint64_t sent_{0};                    // number of messages sent other than frames
   EngineProgress progress_{EngineProgress::kTakesSetup};
   std::optional<BlockReceiver> setup_;
   std::vector<std::uint8_t> carved_;

@@ -12,13 +12,15 @@
 namespace osteon::io {
 namespace {
 
-// Longest wait for a message before what is due is sent again.
+// Longest wait for a message; after it, messages that are due are sent again.
 constexpr rt::Nanoseconds kReceiveSlice = 10 * rt::kMillisecond;
-// Interval at which the end is told to the engine until it answers.
+// Interval at which kEnd is sent to the engine until the engine answers.
 constexpr rt::Nanoseconds kEndEvery = 50 * rt::kMillisecond;
-constexpr int kGoodbyes = 3;  // copies of the goodbye: if all are lost, the engine waits for kRunSilence
+// number of copies of kGoodbye; if all are lost, the engine is free only after kRunSilence
+constexpr int kGoodbyes = 3;
 
-// Reads a text after its length; control characters become blanks, as the text will be printed.
+// Reads a text's length and the text. Control characters are replaced by blanks, because the text will be
+// printed.
 std::string ReadText(ByteReader& reader) {
   const auto size = reader.Get<std::uint16_t>();
   const auto bytes = reader.GetBytes(size);
@@ -38,7 +40,7 @@ tl::expected<std::unique_ptr<UdpEngineClient>, std::string> UdpEngineClient::Con
   const auto bound = BindUdp("engine", loopback ? "127.0.0.1" : "0.0.0.0", 0);
   if (!bound) return tl::make_unexpected(bound.error());
   std::unique_ptr<UdpEngineClient> client(new UdpEngineClient(bound->socket, params, setup));
-  // A connected socket receives from nobody else.
+  // Connect the socket, so that it receives only from the engine.
   if (connect(bound->socket, reinterpret_cast<const sockaddr*>(&*server), sizeof *server) != 0)
     return tl::make_unexpected(
         fmt::format("{}:{}: cannot be reached: {}", params.address, params.port, SystemReason(errno)));
@@ -60,7 +62,7 @@ UdpEngineClient::~UdpEngineClient() {
 }
 
 void UdpEngineClient::SendBytes(const EngineBytes& bytes) OSTEON_RT {
-  // A message that could not be sent counts as lost on its way.
+  // An error is ignored: a message that cannot be sent is treated like a lost one.
   static_cast<void>(send(socket_, bytes.bytes.data(), bytes.size, MSG_DONTWAIT | MSG_NOSIGNAL));
 }
 
@@ -104,7 +106,7 @@ bool UdpEngineClient::Receive(rt::Nanoseconds deadline, EngineHeader& header,
       if (known) return true;
       ++counters_.rejected;
     }
-    // an error that the system reports (nobody listens there) must not become a busy loop
+    // if the system reports an error (nobody listens at the port), pause, to avoid a busy loop
     if (datagram.read == Datagram::Read::kReported)
       rt::SleepUntil(std::min(deadline, rt::MonotonicNow() + rt::kMillisecond));
     if (rt::MonotonicNow() >= deadline) return false;
@@ -168,7 +170,8 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
   EngineHeader header;
   std::span<const std::uint8_t> content;
   for (;;) {
-    if (rt::MonotonicNow() - hello_at_ >= kGreetEvery) SendHello();  // shows that the run lives
+    // shows the engine that the run still exists
+    if (rt::MonotonicNow() - hello_at_ >= kGreetEvery) SendHello();
     if (!Receive(deadline, header, content)) return false;
     if (header.kind != EngineMessage::kFrame) continue;
     const std::span<const std::uint8_t> message(in_.data(), kEngineHeaderBytes + content.size());
@@ -176,7 +179,8 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
       ++counters_.rejected;
       continue;
     }
-    if (header.sequence < next_frame_) continue;  // was overtaken, and was counted as lost then
+    // the frame was overtaken by a newer one, and was already counted as lost
+    if (header.sequence < next_frame_) continue;
     models_.Store(frame.model);
     counters_.lost += header.sequence - next_frame_;
     next_frame_ = header.sequence + 1;
@@ -188,7 +192,7 @@ bool UdpEngineClient::AwaitFrame(EngineFrame& frame, rt::Nanoseconds deadline) {
 tl::expected<std::vector<std::uint8_t>, std::string> UdpEngineClient::FetchCarved(rt::Nanoseconds deadline) {
   std::optional<BlockReceiver> carved;
   rt::Nanoseconds asked_at = 0;
-  std::uint64_t questions = 0;  // messages that this function has sent
+  std::uint64_t questions = 0;  // number of messages sent by this function
   EngineBytes bytes;
   while (!carved || !carved->complete()) {
     const rt::Nanoseconds now = rt::MonotonicNow();

@@ -10,11 +10,12 @@
 namespace osteon::io {
 namespace {
 
-constexpr int kMaxAtOnce = 256;        // datagrams read in one call, so that a flood cannot hold it up
+constexpr int kMaxAtOnce = 256;  // largest number of datagrams read in one call, so that the call returns
+                                 // even if datagrams keep arriving
 constexpr std::size_t kMaxText = 300;  // longest name or error text in a welcome, in bytes
 
-// Whether two texts are equal. The time does not tell where texts of equal length differ, so a token cannot
-// be guessed byte by byte.
+// Whether two texts are equal. For texts of equal length the computing time does not depend on where they
+// differ, so a token cannot be guessed byte by byte.
 bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0u : 1u;
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i)
@@ -22,14 +23,14 @@ bool SameText(std::span<const std::uint8_t> a, const std::string& b) {
   return difference == 0;
 }
 
-// Writes a text, cut to kMaxText, after its length.
+// Writes a text's length and the text, truncated to kMaxText bytes.
 void PutText(ByteWriter& writer, const std::string& text) {
   const std::string cut = text.substr(0, kMaxText);
   writer.Put(static_cast<std::uint16_t>(cut.size()));
   writer.PutBytes({reinterpret_cast<const std::uint8_t*>(cut.data()), cut.size()});
 }
 
-// A random number other than 0; the time if the system has no random numbers.
+// Returns a random number other than 0, or the time if the system provides no random numbers.
 std::uint64_t NewSession() {
   std::uint64_t session = 0;
   while (session == 0)
@@ -63,7 +64,7 @@ bool UdpEngineServer::IsPeer(const sockaddr_in& sender) const {
 }
 
 void UdpEngineServer::SendBytes(const EngineBytes& bytes, const sockaddr_in& to) {
-  // A message that could not be sent counts as lost on its way.
+  // An error is ignored: a message that cannot be sent is treated like a lost one.
   static_cast<void>(sendto(socket_, bytes.bytes.data(), bytes.size, MSG_DONTWAIT | MSG_NOSIGNAL,
                            reinterpret_cast<const sockaddr*>(&to), sizeof to));
 }
@@ -99,7 +100,7 @@ void UdpEngineServer::AnswerHello(std::span<const std::uint8_t> content, const s
   const rt::Nanoseconds now = rt::MonotonicNow();
   if (!IsPeer(sender)) {
     if (peer_ && now - heard_ < kRunSilence) return SendWelcome(sender, EngineProgress::kBusy, 0);
-    if (peer_ && progress_ != EngineProgress::kTakesSetup) return;  // Await ends the old run first
+    if (peer_ && progress_ != EngineProgress::kTakesSetup) return;  // Await must end the old run first
     ResetSession();
     peer_ = sender;
     session_ = NewSession();
@@ -189,7 +190,7 @@ void UdpEngineServer::SetFailed(const std::string& why) {
 }
 
 EngineEvent UdpEngineServer::Await(EngineCommand& command, rt::Nanoseconds deadline) {
-  bool newer = false;  // a command has come; read on, since a newer one may wait
+  bool newer = false;  // a command was received; continue reading, because a newer one may wait
   for (;;) {
     EngineHeader header;
     std::span<const std::uint8_t> content;

@@ -11,13 +11,13 @@ namespace osteon::io {
 namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
-// Width and length of an arrow's head, in diameters of its shaft.
+// Width and length of an arrow's head, as multiples of the shaft's diameter.
 constexpr double kHeadWidth = 2.0, kHeadLength = 3.0;
 
-// Fill copies a value into a message of Foxglove's schemas.
+// The functions Fill copy a value into a message of Foxglove's schemas.
 
 void Fill(rt::Nanoseconds stamp, google::protobuf::Timestamp* to) {
-  const std::int64_t time = std::max<std::int64_t>(0, stamp);  // MCAP has no times before zero
+  const std::int64_t time = std::max<std::int64_t>(0, stamp);  // MCAP has no negative times
   to->set_seconds(time / kSecond_ns);
   to->set_nanos(static_cast<std::int32_t>(time % kSecond_ns));
 }
@@ -47,7 +47,7 @@ void Fill(const SceneColor& from, foxglove::Color* to) {
   to->set_a(from.a);
 }
 
-// A pose at `place` whose z axis points along a vector; the vector zero gives no rotation.
+// Returns a pose at `place` whose z axis has the direction of `along`; without rotation if `along` is zero.
 Pose ZAlong(const Vector3& place, const Vector3& along) {
   Pose X = Pose::Identity();
   X.translation() = place;
@@ -55,7 +55,7 @@ Pose ZAlong(const Vector3& place, const Vector3& along) {
   return X;
 }
 
-// As ZAlong, but the x axis points along the vector.
+// As ZAlong, but for the x axis.
 Pose XAlong(const Vector3& place, const Vector3& along) {
   Matrix3 z_from_x;  // its columns are the images of the axes x, y and z: x becomes z
   z_from_x << 0, 0, -1, 0, 1, 0, 1, 0, 0;
@@ -64,7 +64,7 @@ Pose XAlong(const Vector3& place, const Vector3& along) {
   return X;
 }
 
-// Add appends a part to an entity.
+// The functions Add append a part to an entity.
 
 void Add(const SceneBall& ball, foxglove::SceneEntity& to) {
   foxglove::SpherePrimitive* sphere = to.add_spheres();
@@ -122,7 +122,7 @@ void Add(const SceneMesh& mesh, foxglove::SceneEntity& to) {
 std::string FoxgloveDescriptorSet() {
   google::protobuf::FileDescriptorSet set;
   const google::protobuf::FileDescriptor* file = foxglove::SceneUpdate::descriptor()->file();
-  // dependencies first, as a FileDescriptorSet requires
+  // dependencies first, because a FileDescriptorSet requires this order
   for (int i = 0; i < file->dependency_count(); ++i) file->dependency(i)->CopyTo(set.add_file());
   file->CopyTo(set.add_file());
   return set.SerializeAsString();

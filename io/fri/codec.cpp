@@ -13,10 +13,10 @@ namespace {
 using control::CommandMode;
 using control::SessionState;
 
-// FRI's limits of the send period [ms] and the receive multiplier.
+// Largest send period [ms] and largest receive multiplier that FRI allows.
 constexpr std::uint32_t kMaxPeriodMs = 100, kMaxMultiplier = 100;
 
-// Finds the bare message inside a datagram of the family.
+// Finds the bare message (without a frame) inside a datagram of the family.
 CodecError Open(FriFamily family, std::span<const std::uint8_t> datagram,
                 std::span<const std::uint8_t>& body) OSTEON_RT {
   if (datagram.size() > kFriMaxDatagram) return CodecError::kTooLong;
@@ -39,7 +39,7 @@ CodecError Parse(std::span<const std::uint8_t> body, WireMonitoring& wire) OSTEO
   return wire.header.id == kFriMonitoringId ? CodecError::kNone : CodecError::kWrongId;
 }
 
-// Detects the family by fields that no other one has; empty for a bare message without them.
+// Detects the family by fields that no other family has; empty for a bare message without such fields.
 std::optional<FriFamily> FamilyOfFields(const WireMonitoring& wire) OSTEON_RT {
   if (wire.monitor.pose || wire.monitor.redundancy || wire.ipo.pose || wire.ipo.redundancy)
     return FriFamily::k2_5;
@@ -89,7 +89,8 @@ std::optional<FriFamily> DetectFamily(std::span<const std::uint8_t> datagram) OS
 
 namespace {
 
-// Parses a datagram, with its frame. A datagram of another family gives kOtherVersion.
+// Removes a datagram's frame, if the family has one, and parses the message. Returns kOtherVersion for a
+// datagram of another family.
 CodecError ReadWire(FriFamily family, std::span<const std::uint8_t> datagram,
                     WireMonitoring& wire) OSTEON_RT {
   std::span<const std::uint8_t> body;
@@ -185,7 +186,7 @@ bool IsMonitoringMessage(FriFamily family, std::span<const std::uint8_t> datagra
 
 CodecError EncodeCommand(FriFamily family, const CommandMessage& message, std::span<std::uint8_t> buffer,
                          std::size_t& size) OSTEON_RT {
-  // write the protobuf at the position that it has in the frame
+  // if the family has a frame, leave space for the frame's head before the protobuf
   const bool framed = family == FriFamily::k2_7;
   const std::size_t head = framed ? kFriFrameHead : 0, frame_bytes = framed ? head + kFriFrameTail : 0;
   const std::size_t room = std::min(buffer.size(), kFriMaxDatagram);

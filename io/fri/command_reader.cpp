@@ -8,19 +8,19 @@ namespace osteon::io {
 namespace {
 
 constexpr std::size_t kMaxDatagram = 1500;     // [bytes]
-constexpr std::uint32_t kCommandId = 0x34001;  // of a command in its header
+constexpr std::uint32_t kCommandId = 0x34001;  // message identifier in the header of a command
 // Protobuf's wire types.
 constexpr std::uint32_t kVarint = 0, kFixed64 = 1, kBytes = 2;
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads protobuf fields one after the other; `good` stays false after the first malformed byte.
+/// Reads protobuf fields one after the other. After the first malformed byte `good` stays false.
 class Fields {
  public:
   explicit Fields(Bytes bytes) : rest_(bytes) {}
 
   [[nodiscard]] bool good() const { return good_; }
-  /// The next field's number and wire type; false at the end.
+  /// Reads the next field's number and wire type; returns false at the end.
   bool Next(std::uint32_t& number, std::uint32_t& type) OSTEON_RT {
     if (!good_ || rest_.empty()) return false;
     const std::uint64_t key = Varint();
@@ -51,7 +51,7 @@ class Fields {
     rest_ = rest_.subspan(8);
     return std::bit_cast<double>(bits);
   }
-  // A string, bytes, a nested message or packed numbers: the bytes after their length.
+  // Reads a value with a length (string, bytes, nested message or packed numbers), and returns its bytes.
   Bytes Part() OSTEON_RT {
     const std::uint64_t size = Varint();
     if (!good_ || size > rest_.size()) {
@@ -68,10 +68,10 @@ class Fields {
   bool good_{true};
 };
 
-/// Field numbers seen so far: a repeated field is refused.
+/// Records the field numbers read so far, to refuse repeated fields.
 class SeenFields {
  public:
-  // Notes a field; false if it was seen before.
+  // Records a field; returns false if it was recorded before.
   bool operator()(std::uint32_t number) OSTEON_RT {
     const std::uint32_t bit = number < 32 ? 1u << number : 0u;
     const bool first = bit != 0 && (seen_ & bit) == 0;
@@ -84,7 +84,8 @@ class SeenFields {
   std::uint32_t seen_{0};
 };
 
-// Reads a message with exactly N doubles in field 1, packed or not. False if it has anything else.
+// Reads a message with exactly N doubles in field 1, packed or not. Returns false if it contains anything
+// else.
 template <std::size_t N>
 bool ReadDoubles(Bytes bytes, std::optional<std::array<double, N>>& values) OSTEON_RT {
   std::array<double, N> read{};
@@ -127,7 +128,7 @@ bool ReadHeader(Bytes bytes, FriReadCommand& command) OSTEON_RT {
 }
 
 // Reads the command's data: joints (1), wrench (2), torques (3), pose (6) and redundancy (7). Frames and
-// outputs for the robot's program (4, 5) are skipped, and may come several times: they move no joint.
+// outputs for the robot's program (4, 5) are skipped and may be repeated, because they move no joint.
 bool ReadData(FriFamily family, Bytes bytes, FriReadCommand& command) OSTEON_RT {
   Fields fields(bytes);
   SeenFields seen;

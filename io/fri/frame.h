@@ -6,12 +6,12 @@
 
 #include "base/marker.h"
 
-// FRI 2.7's frame around each message:
+// The frame that FRI 2.7 puts around each message:
 //
 //     u32 length, little-endian | protobuf, `length` bytes | u32 CRC-32 of the protobuf, little-endian
 //
-// The CRC is zlib's (polynomial 0x04C11DB7, reflected). Bare messages cannot be mistaken for framed ones:
-// they begin with 0a 08 or the like, which as a length would be some 100 MB.
+// The CRC is that of zlib (polynomial 0x04C11DB7, reflected). A message without a frame cannot be mistaken
+// for a framed one: it begins with bytes such as 0a 08, which would be a length of some 100 MB.
 
 namespace osteon::io {
 
@@ -23,12 +23,12 @@ enum class FrameError : std::uint8_t {
   kChecksum,   ///< the length matches, but the CRC does not
 };
 
-/// Checks the frame and finds the protobuf inside. `body` is changed only on kNone.
+/// Checks the frame and finds the protobuf inside. `body` is changed only if the result is kNone.
 [[nodiscard]] FrameError Unframe(std::span<const std::uint8_t> datagram,
                                  std::span<const std::uint8_t>& body) OSTEON_RT;
 
-/// Puts the frame around a protobuf of `size` bytes at buffer[kFriFrameHead]; the buffer has room for the
-/// tail. @returns the datagram's size.
+/// Puts the frame around a protobuf of `size` bytes at buffer[kFriFrameHead]; the buffer must have room for
+/// the tail. @returns the datagram's size.
 std::size_t Frame(std::span<std::uint8_t> buffer, std::size_t size) OSTEON_RT;
 
 }  // namespace osteon::io

@@ -4,7 +4,7 @@
 #include "io/fri/fri_session.h"
 #include "io/fri/session_name.h"
 
-// Text of FriSession::Diagnosis. Not in the tick: it allocates.
+// Text of FriSession::Diagnosis. Not for use in the tick, because it allocates.
 
 namespace osteon::io {
 namespace {
@@ -13,7 +13,7 @@ using control::CommandMode;
 using control::ControlMode;
 using control::SessionState;
 
-// A control mode's name in a sentence.
+// A control mode's name for use in a sentence.
 const char* Name(ControlMode mode) {
   switch (mode) {
     case ControlMode::kPosition:

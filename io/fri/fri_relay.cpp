@@ -12,9 +12,10 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxAtOnce = 64;  // datagrams read in one call, so that a flood cannot hold it up
+constexpr std::size_t kMaxAtOnce = 64;  // largest number of datagrams read in one call, so that the call
+                                        // returns even if datagrams keep arriving
 
-// The guard's name for an FRI session state.
+// Converts an FRI session state to the guard's enumeration.
 safety::GuardSession SessionOf(control::SessionState state) {
   switch (state) {
     case control::SessionState::kIdle:
@@ -32,7 +33,7 @@ safety::GuardSession SessionOf(control::SessionState state) {
 
 }  // namespace
 
-// Relays each valid message of the arm to the controller.
+// Protocol interface for UdpPeer that relays each valid message of the arm to the controller.
 struct FriRelay::Judge {
   FriRelay& relay;
 
@@ -44,7 +45,8 @@ struct FriRelay::Judge {
   }
   void Reject() OSTEON_RT { ++relay.counters_.rejected; }
   void ResetSession() OSTEON_RT { relay.monitor_.ResetSession(); }
-  void OnOvertaken() OSTEON_RT {}  // an overtaken message was relayed as well: the controller counts it
+  // nothing to do: an overtaken message was relayed too, and the controller counts it
+  void OnOvertaken() OSTEON_RT {}
 };
 
 tl::expected<std::unique_ptr<FriRelay>, std::string> FriRelay::Open(const FriRelayParams& params,

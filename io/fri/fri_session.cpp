@@ -10,7 +10,7 @@ using control::CommandMode;
 using control::JointArray;
 using control::SessionState;
 
-constexpr std::int32_t kWindow = 64;  // number of the arm's newest message counters that seen_ remembers
+constexpr std::int32_t kWindow = 64;  // number of the newest message counters of the arm that seen_ stores
 
 bool IsFinite(const JointArray& q) OSTEON_RT {
   return std::all_of(q.begin(), q.end(), [](double joint) { return std::isfinite(joint); });
@@ -18,14 +18,14 @@ bool IsFinite(const JointArray& q) OSTEON_RT {
 
 bool IsFinite(const PlainWrench& F) OSTEON_RT { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
-// Whether each joint of a is within bound_rad of that of b; false for NaN.
+// Whether each joint of a differs from that of b by at most bound_rad; false for NaN.
 bool AreClose(const JointArray& a, const JointArray& b, double bound_rad) OSTEON_RT {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (!(std::abs(a[i] - b[i]) <= bound_rad)) return false;
   return true;
 }
 
-// A wrench in the order of the wire: force [N], then torques [N·m].
+// Converts a wrench to the order of the wire: force [N], then torques [N·m].
 std::array<double, 6> ToWire(const PlainWrench& F, FriTorqueOrder order) OSTEON_RT {
   if (order == FriTorqueOrder::kXyz) return {F.f.x, F.f.y, F.f.z, F.t.x, F.t.y, F.t.z};
   return {F.f.x, F.f.y, F.f.z, F.t.z, F.t.y, F.t.x};
@@ -45,7 +45,8 @@ FriAccept FriSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
       ++counters_.other_version;
       other_family_ = DetectFamily(datagram);
     }
-    // The arm reports a joint that is not a number: the loop must see which joint, and stop.
+    // If the arm reports a joint that is not finite, the loop must get the joints, so that it can name the
+    // joint and stop.
     if (const auto q = has_last_ && error == CodecError::kNotFinite ? JointsNotFinite(family_, datagram)
                                                                     : std::nullopt) {
       state.stamp = stamp;
@@ -90,7 +91,8 @@ bool FriSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_
 }
 
 FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT {
-  // The difference modulo 2^32, read as signed, is correct across the counter's wrap.
+  // The counters' difference modulo 2^32, interpreted as a signed number, is also correct if the counter has
+  // wrapped.
   const auto step = static_cast<std::int32_t>(message.sequence - last_.sequence);
   const bool restarted = step <= -kWindow && message.session <= SessionState::kMonitoringReady;
   if (!has_last_ || restarted) {
@@ -99,7 +101,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     BeginSession();
     return FriAccept::kAccepted;
   }
-  if (step > 0) {  // newer than all before
+  if (step > 0) {  // newer than all earlier messages
     const auto ahead = static_cast<std::uint32_t>(step);
     seen_ = step < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
@@ -107,7 +109,7 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
     if (step >= kWindow) active_ = false;  // the arm may have left COMMANDING_ACTIVE and returned unnoticed
     return FriAccept::kAccepted;
   }
-  if (step > -kWindow) {  // older, and still remembered in seen_
+  if (step > -kWindow) {  // older, and still stored in seen_
     const std::uint64_t bit = std::uint64_t{1} << -step;
     if (seen_ & bit) {
       ++counters_.duplicate;
@@ -121,22 +123,23 @@ FriAccept FriSession::CheckSequence(const MonitoringMessage& message) OSTEON_RT 
 }
 
 void FriSession::BeginSession() OSTEON_RT {
-  held_.reset();  // that position is of another session: the arm may stand elsewhere now
+  held_.reset();  // the position belongs to the earlier session; the arm may have moved since
   first_answer_ = command_sequence_;
   any_reflected_ = active_ = false;
 }
 
-// The arm reflects the newest of this session's answers that it has received.
+// The arm reflects the sequence number of the newest answer that it has received.
 void FriSession::CheckReflected(const MonitoringMessage& message) OSTEON_RT {
-  // which of this session's answers the arm reflects, counted from 0
+  // index of the reflected answer among this session's answers, from 0
   const std::uint32_t index = message.reflected_sequence - first_answer_;
-  // not an answer of this session: the arm has received none yet, or has received another client's
+  // The reflected answer is not of this session: the arm has received no answer yet, or an answer of another
+  // client.
   if (index >= command_sequence_ - first_answer_) {
     if (any_reflected_) ++counters_.answers_foreign;
     return;
   }
   const std::uint32_t step = any_reflected_ ? message.reflected_sequence - reflected_ : index + 1;
-  if (step > index + 1) {  // an older answer than the one reflected before
+  if (step > index + 1) {  // older than the answer that was reflected before
     ++counters_.answers_foreign;
     return;
   }

@@ -11,8 +11,8 @@
 #include "control/ports.h"
 #include "kinematics/spatial.h"
 
-// FRI messages as plain data, for all versions: fields that a version does not have stay empty. The enums'
-// numbers are those of the wire.
+// FRI messages as plain data, for all versions. Fields that a version does not have stay empty. The enums
+// have the numbers that FRI uses.
 
 namespace osteon::io {
 
@@ -24,7 +24,7 @@ enum class FriOverlay : std::uint8_t { kNone = 0, kJoint = 1, kCartesian = 2 };
 enum class FriIoType : std::uint8_t { kBoolean = 0, kDigital = 1, kAnalog = 2 };
 enum class FriIoDirection : std::uint8_t { kInput = 0, kOutput = 1 };
 
-/// Most transformations, and most inputs and outputs, in a message.
+/// Largest numbers of transformations and of inputs and outputs in a message.
 inline constexpr std::size_t kFriMaxTransformations = 5, kFriMaxIos = 10;
 
 /// The arm's clock.
@@ -33,18 +33,18 @@ struct FriTime {
   bool operator==(const FriTime&) const = default;
 };
 
-/// A name as FRI bounds it: at most 63 characters, none of them NUL. A name from the arm may have any other
-/// bytes.
+/// A name with FRI's limits: at most 63 characters, none of them NUL. A name from the arm may contain any
+/// other bytes.
 class FriName {
  public:
   static constexpr std::size_t kMaxLength = 63;
   constexpr FriName() = default;
-  /// Cuts longer names, and any name at its first NUL: see Fits().
+  /// Truncates the name after 63 characters or at the first NUL; see Fits().
   explicit constexpr FriName(std::string_view name) noexcept
       : length_(std::min({name.size(), name.find('\0'), kMaxLength})) {
     for (std::size_t i = 0; i < length_; ++i) text_[i] = name[i];
   }
-  /// Whether a name needs no cut.
+  /// Whether a name is not truncated by the constructor.
   [[nodiscard]] static constexpr bool Fits(std::string_view name) noexcept {
     return name.size() <= kMaxLength && name.find('\0') == std::string_view::npos;
   }
@@ -57,8 +57,8 @@ class FriName {
   std::size_t length_{0};
 };
 
-/// A frame that the robot program registered for the client to move, or a pose of the arm. Lengths in m here,
-/// in mm on the wire.
+/// A frame that the robot program registered for the client to move, or a pose of the arm. Lengths are in m
+/// here, and in mm on the wire.
 struct FriTransformation {
   FriName name;
   PlainPose X{};
@@ -111,13 +111,14 @@ class FriList {
 using FriTransformations = FriList<FriTransformation, kFriMaxTransformations>;
 using FriIos = FriList<FriIo, kFriMaxIos>;
 
-/// 2.x: selects one of the elbow positions that share a pose.
+/// FRI 2.x: selects one of the elbow positions that are possible for a pose.
 struct FriRedundancy {
-  std::uint32_t strategy{0};  ///< 0: the angle E1, 4: none
+  std::uint32_t strategy{0};  ///< 0: `value` is the angle E1; 4: none
   double value{0.0};
 };
 
-/// 2.x: a pose of the arm in the wire's form, so that it can be sent back: tx ty tz [mm], qw qx qy qz.
+/// FRI 2.x: a pose of the arm with the numbers of the wire, so that it can be sent back unchanged: tx ty tz
+/// [mm], qw qx qy qz.
 struct FriPose {
   FriName name;
   std::array<double, 7> element{};
@@ -125,45 +126,46 @@ struct FriPose {
   std::optional<FriRedundancy> redundancy{};
 };
 
-/// The arm's message of each period.
+/// The arm's message, sent in each period.
 struct MonitoringMessage {
   std::uint32_t sequence{0};
-  std::uint32_t reflected_sequence{0};  ///< of the last command that the arm has seen
+  std::uint32_t reflected_sequence{0};  ///< sequence number of the last command that the arm has received
   control::SessionState session{control::SessionState::kIdle};
   FriQuality quality{FriQuality::kPoor};
   std::uint32_t send_period_ms{1};      ///< 1 … 100
-  std::uint32_t receive_multiplier{1};  ///< the client answers one message in this many; 1 … 100
+  std::uint32_t receive_multiplier{1};  ///< the client answers every receive_multiplier-th message; 1 … 100
   FriSafetyState safety{FriSafetyState::kNormal};
   FriOperationMode operation{FriOperationMode::kT1};
   control::ControlMode control{control::ControlMode::kPosition};
   std::array<FriDriveState, control::kJoints> drives{};
   std::optional<control::JointArray> q_meas;    ///< [rad]
   std::optional<control::JointArray> tau_meas;  ///< [N·m]
-  std::optional<control::JointArray> q_cmd;     ///< [rad] commanded position according to the arm; 1.x
-  std::optional<control::JointArray> tau_cmd;   ///< [N·m]
-  std::optional<control::JointArray> tau_ext;   ///< [N·m] external, the arm's estimate
-  /// External force, the arm's estimate: Fx Fy Fz [N], torques [N·m] in the wire's order; 2.7.
+  std::optional<control::JointArray> q_cmd;  ///< [rad] commanded position as reported by the arm; only in 1.x
+  std::optional<control::JointArray> tau_cmd;  ///< [N·m]
+  std::optional<control::JointArray> tau_ext;  ///< [N·m] external torques, estimated by the arm
+  /// External wrench, estimated by the arm: Fx Fy Fz [N], torques [N·m] in the wire's order; only in 2.7.
   std::optional<std::array<double, 6>> wire_force;
-  std::optional<FriPose> X_meas;             ///< measured Cartesian pose; 2.x
-  std::optional<control::JointArray> q_ipo;  ///< [rad] the arm's interpolator; in COMMANDING_* only
-  std::optional<FriPose> X_ipo;              ///< the same, Cartesian; 2.x
+  std::optional<FriPose> X_meas;  ///< measured Cartesian pose; only in 2.x
+  /// [rad] position of the arm's interpolator; only in COMMANDING states.
+  std::optional<control::JointArray> q_ipo;
+  std::optional<FriPose> X_ipo;  ///< Cartesian pose of the arm's interpolator; only in 2.x
   control::CommandMode command_mode{control::CommandMode::kNone};
   FriOverlay overlay{FriOverlay::kNone};
   double tracking_performance{0.0};  ///< 0 … 1; 0 outside COMMANDING_ACTIVE
   std::optional<FriTime> time;
   FriIos ios;                          ///< inputs and outputs that the robot program registered, with values
-  FriTransformations transformations;  ///< frames that the robot program requests of the client
+  FriTransformations transformations;  ///< frames that the robot program requests from the client
 };
 
-/// The client's answer. Without joint positions, torques and wrench it is the header alone.
+/// The client's answer. Without joint positions, torques and wrench it consists only of the header.
 struct CommandMessage {
   std::uint32_t sequence{0};
-  std::uint32_t reflected_sequence{0};     ///< of the monitoring message that it answers
+  std::uint32_t reflected_sequence{0};     ///< sequence number of the monitoring message that it answers
   std::optional<control::JointArray> q{};  ///< [rad]
-  /// Fx Fy Fz [N], torques about A, B, C [N·m]: the wire's order.
+  /// Fx Fy Fz [N], torques about A, B, C [N·m], in the wire's order.
   std::optional<std::array<double, 6>> wire_wrench{};
   std::optional<control::JointArray> tau{};  ///< [N·m]
-  std::optional<FriPose> X{};                ///< 2.x
+  std::optional<FriPose> X{};                ///< Cartesian pose; only in 2.x
 };
 
 }  // namespace osteon::io

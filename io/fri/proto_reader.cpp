@@ -8,7 +8,7 @@ namespace osteon::io {
 namespace {
 
 constexpr std::uint64_t kMax32 = std::numeric_limits<std::uint32_t>::max();
-constexpr std::ptrdiff_t kMaxBytes32 = 5;  // longest varint of 32 bits
+constexpr std::ptrdiff_t kMaxBytes32 = 5;  // largest size of a varint of 32 bits
 
 static_assert(std::endian::native == std::endian::little, "doubles are copied as they lie on the wire");
 
@@ -27,11 +27,11 @@ bool ProtoReader::Expect(WireType expected) OSTEON_RT {
 }
 
 std::uint64_t ProtoReader::Varint() OSTEON_RT {
-  if (at_ != end_ && *at_ < 0x80) return *at_++;  // the common case
+  if (at_ != end_ && *at_ < 0x80) return *at_++;  // common case: one byte
   std::uint64_t value = 0;
   for (unsigned shift = 0; at_ != end_; shift += 7) {
     const std::uint64_t byte = *at_++;
-    if (shift == 63 && byte > 1) break;  // the tenth byte holds only the 64th bit
+    if (shift == 63 && byte > 1) break;  // the tenth byte may contain only the 64th bit
     value |= (byte & 0x7f) << shift;
     if (byte < 0x80) return value;
   }
@@ -57,7 +57,7 @@ std::uint32_t ProtoReader::Uint32() OSTEON_RT {
 
 std::uint32_t ProtoReader::EnumValue() OSTEON_RT {
   const std::uint64_t value = Varint();
-  // a negative enum is written with its sign extended to 64 bits
+  // a negative enum value is encoded with its sign extended to 64 bits
   const auto narrow = static_cast<std::uint32_t>(value);
   const auto extended = static_cast<std::uint64_t>(std::int64_t{static_cast<std::int32_t>(narrow)});
   if (value != narrow && value != extended) Fail();
@@ -118,7 +118,7 @@ void ProtoReader::AppendDoubles(double* to, std::size_t room, std::size_t& count
     const double value = Double();
     if (count == room) return Fail();
     to[count++] = value;
-    // the elements after the first nearly always follow directly, each with this tag in one byte
+    // fast path: the further elements nearly always follow directly, each with the same one-byte tag
     for (; count < room && left() > sizeof value && *at_ == tag_; at_ += 1 + sizeof value)
       std::memcpy(to + count++, at_ + 1, sizeof value);
     return;

@@ -10,12 +10,12 @@ constexpr std::uint32_t kVarint = 0, kFixed64 = 1, kBytes = 2;  // wire types
 
 static_assert(std::endian::native == std::endian::little, "doubles are copied as they lie on the wire");
 
-// The number that precedes a field's value.
+// The tag that precedes a field's value.
 constexpr std::uint64_t Tag(std::uint32_t number, std::uint32_t type) OSTEON_RT {
   return std::uint64_t{number} << 3 | type;
 }
 
-// Bytes that the value takes as a varint.
+// Number of bytes of the value as a varint.
 std::size_t VarintSize(std::uint64_t value) OSTEON_RT {
   std::size_t size = 1;
   for (; value >= 0x80; value >>= 7) ++size;
@@ -79,7 +79,7 @@ std::size_t ProtoWriter::BeginMessage(std::uint32_t number) OSTEON_RT {
 
 void ProtoWriter::EndMessage(std::size_t begin) OSTEON_RT {
   if (!ok_) return;
-  // a length of more than 127 needs more than the one byte left for it
+  // a length of more than 127 needs more than the one byte that BeginMessage has reserved
   std::uint64_t length = size_ - begin;
   const std::size_t more = VarintSize(length) - 1;
   if (Reserve(more) == nullptr) return;

@@ -4,7 +4,7 @@
 
 namespace osteon::io {
 
-/// A session state's name in FRI, "COMMANDING_ACTIVE"; "unknown" for an invalid number.
+/// Returns FRI's name of a session state, e.g. "COMMANDING_ACTIVE"; "unknown" for an invalid number.
 [[nodiscard]] constexpr const char* SessionName(control::SessionState state) {
   switch (state) {
     case control::SessionState::kIdle:

@@ -3,16 +3,18 @@
 #include <array>
 #include <cstdint>
 
-// The supported versions of FRI, and how they differ on the wire. Header only: the simulated arm uses it,
-// too.
+// The supported versions of FRI, and their differences on the wire. Header only, because the simulated arm
+// uses it too.
 
 namespace osteon::io {
 
 /// Versions that share one wire format.
 enum class FriFamily : std::uint8_t {
-  k1,    ///< 1.11 … 1.16: bare protobuf; the arm sends its commanded position, the client mirrors it
-  k2_5,  ///< bare protobuf; the arm sends Cartesian poses instead, the client a header while monitoring
-  k2_7,  ///< as 2.5, in a frame of length and CRC-32; the arm sends its external force too
+  k1,    ///< versions 1.11 … 1.16: protobuf without frame; the arm sends its commanded position, which the
+         ///< client mirrors
+  k2_5,  ///< protobuf without frame; the arm sends Cartesian poses instead of its commanded position; while
+         ///< monitoring, the client sends only a header
+  k2_7,  ///< as 2.5, but with a frame of length and CRC-32; the arm also sends its external force
 };
 
 enum class FriVersion : std::uint8_t { k1_11, k1_12, k1_13, k1_14, k1_15, k1_16, k2_5, k2_7 };
@@ -32,7 +34,7 @@ inline constexpr std::array<FriVersion, 8> kFriVersions{
   return version == FriVersion::k2_5 ? FriFamily::k2_5 : FriFamily::k1;
 }
 
-/// A family's name in a sentence.
+/// A family's name for use in a sentence.
 [[nodiscard]] constexpr const char* Describe(FriFamily family) noexcept {
   constexpr std::array<const char*, 3> names{"FRI 1.11 to 1.16", "FRI 2.5", "FRI 2.7 (framed)"};
   return names[static_cast<std::size_t>(family)];

@@ -3,7 +3,7 @@
 namespace osteon::io {
 namespace {
 
-// Largest deviation of an element of R R^T from the identity's, and of a quaternion's length from 1.
+// Largest deviation of an element of R R^T from that of the identity, and of a quaternion's length from 1.
 constexpr double kRotationTolerance = 1e-3;
 
 bool IsRotation(const Matrix3& R) OSTEON_RT {
@@ -11,7 +11,8 @@ bool IsRotation(const Matrix3& R) OSTEON_RT {
          R.determinant() > 0.0;
 }
 
-// A pose from the twelve elements of a 3x4 matrix, row by row, lengths in mm. False if it has no rotation.
+// Converts the twelve elements of a 3x4 matrix (row by row, lengths in mm) to a pose. Returns false if its
+// 3x3 part is no rotation.
 bool FromMatrix(const double* element, PlainPose& X) OSTEON_RT {
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> M(element);
   if (!IsRotation(M.leftCols<3>())) return false;
@@ -20,7 +21,7 @@ bool FromMatrix(const double* element, PlainPose& X) OSTEON_RT {
   return true;
 }
 
-// A pose from tx ty tz [mm], qw qx qy qz. False if the quaternion's length is not 1.
+// Converts tx ty tz [mm], qw qx qy qz to a pose. Returns false if the quaternion's length is not 1.
 bool FromQuaternion(const double* element, PlainPose& X) OSTEON_RT {
   Eigen::Quaterniond q(element[3], element[4], element[5], element[6]);
   if (std::abs(q.norm() - 1.0) > kRotationTolerance) return false;

@@ -4,12 +4,12 @@
 #include "io/fri/wire_message.h"
 #include "io/fri/wire_units.h"
 
-// Converts a message's fields from their form on the wire to ours, and checks the values. Private to the
-// codec.
+// Converts a message's fields from the format of the wire to that of messages.h, and checks the values.
+// Private to the codec.
 
 namespace osteon::io {
 
-/// Reads and checks the fields of a message. Keeps the first error that is found.
+/// Reads and checks the fields of a message. Stores the first error.
 class WireCheck {
  public:
   [[nodiscard]] CodecError error() const OSTEON_RT { return error_; }
@@ -26,7 +26,7 @@ class WireCheck {
     value = static_cast<E>(*wire);
   }
 
-  /// Reads joint values or a wrench; an error if only some of the values are there.
+  /// Reads joint values or a wrench. It is an error if only some of the values are present.
   template <std::size_t N>
   void ReadVector(const std::optional<WireArray<double, N>>& wire,
                   std::optional<std::array<double, N>>& value) OSTEON_RT {
@@ -38,7 +38,8 @@ class WireCheck {
 
   void ReadPose(const std::optional<WireTransformation>& wire,
                 const std::optional<WireRedundancy>& redundancy, std::optional<FriPose>& value) OSTEON_RT;
-  /// Reads a 3x4 matrix (1.x) or a quaternion (2.x). No elements mean the identity: the frame is not set yet.
+  /// Reads a 3x4 matrix (1.x) or a quaternion (2.x). Without elements the result is the identity: the frame
+  /// is not set yet.
   void ReadTransformation(FriFamily family, const WireTransformation& wire,
                           FriTransformations& list) OSTEON_RT;
   void ReadIo(const WireIo& wire, FriIos& list) OSTEON_RT;
@@ -47,7 +48,7 @@ class WireCheck {
   CodecError error_{CodecError::kNone};
 };
 
-/// Empty if the message has no time.
+/// Reads a time; empty if the message has none.
 [[nodiscard]] std::optional<FriTime> ReadTime(const std::optional<WireTime>& wire) OSTEON_RT;
 
 }  // namespace osteon::io

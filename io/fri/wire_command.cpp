@@ -6,7 +6,8 @@
 namespace osteon::io {
 namespace {
 
-// Each writes a field of the given number. All except PutTime return false if a value is not finite.
+// Each of these functions writes a field with the given number. All except PutTime return false if a value is
+// not finite.
 
 bool PutJoints(std::uint32_t number, const control::JointArray& joints, ProtoWriter& out) OSTEON_RT {
   const std::size_t part = out.BeginMessage(number);

@@ -9,8 +9,8 @@
 
 namespace osteon::io {
 
-/// Leaves poses out if the family has none. `out` tells whether there was room.
-/// @returns false if a value is not finite: the bytes written must then not be sent.
+/// Writes an answer; omits poses if the family has none. out.ok() is false if the memory is too small.
+/// @returns false if a value is not finite; the bytes written must then not be sent.
 [[nodiscard]] bool WriteCommand(FriFamily family, const CommandMessage& message, ProtoWriter& out) OSTEON_RT;
 
 }  // namespace osteon::io

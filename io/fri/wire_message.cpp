@@ -7,9 +7,9 @@
 namespace osteon::io {
 namespace {
 
-// Read has one overload for each message of fri.proto, by its field numbers; calls nest as deep as the
-// schema.
-struct WireChecksum {};  // parts of a message that are checked, but not used
+// Read has one overload for each message type of fri.proto, which reads the type's fields by their numbers.
+// Calls are nested as deep as the schema.
+struct WireChecksum {};  // parts of a message that are checked but not used
 struct WireEndOf {};
 template <std::size_t N>
 bool Read(ProtoReader in, WireArray<double, N>& wire) OSTEON_RT;
@@ -25,7 +25,7 @@ bool Read(ProtoReader in, WireIpo& wire) OSTEON_RT;
 bool Read(ProtoReader in, WireChecksum& wire) OSTEON_RT;
 bool Read(ProtoReader in, WireEndOf& wire) OSTEON_RT;
 
-// Reads a nested message into `part`: a message that comes again is merged with the earlier one.
+// Reads a nested message into `part`. If the message occurs again, it is merged with the earlier one.
 template <class T>
 void Merge(ProtoReader& in, T& part) OSTEON_RT {
   if (!Read(ProtoReader(in.Bytes()), part)) in.Fail();
@@ -249,7 +249,8 @@ bool Read(ProtoReader in, WireIpo& wire) OSTEON_RT {
   return in.ok();
 }
 
-// The last part of a monitoring message (WireEndOf) is not used, but as a known field it must be valid.
+// The last part of a monitoring message (WireEndOf) is not used, but it is a known field, so it must be
+// valid.
 
 bool Read(ProtoReader in, WireChecksum& /*wire*/) OSTEON_RT {
   while (in.Next()) {
@@ -306,8 +307,8 @@ bool Read(ProtoReader in, WireMonitoring& wire) OSTEON_RT {
   return in.ok();
 }
 
-// Complete tells whether a message's required fields are present. It is called after all parts are read,
-// since a message may come in parts.
+// Complete returns whether a message's required fields are present. It is called after all parts are read,
+// because a message may occur in several parts.
 
 bool Complete(const WireHeader& wire) OSTEON_RT { return wire.id && wire.sequence && wire.reflected; }
 bool Complete(const WireTime& wire) OSTEON_RT { return wire.sec && wire.nanosec; }

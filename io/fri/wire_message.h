@@ -11,15 +11,15 @@
 #include "control/ports.h"
 #include "io/fri/messages.h"
 
-// A monitoring message in the wire's format (fri.proto): the fields received, as numbers whose meaning is not
-// yet checked. Private to the codec.
+// A monitoring message in the wire's format (fri.proto): the received fields, as unchecked numbers. Private
+// to the codec.
 
 namespace osteon::io {
 
 /// A repeated field. Only the first `count` values are set.
 template <class T, std::size_t N>
 struct WireArray {
-  WireArray() OSTEON_RT {}  // user-provided, so that construction leaves the values unset
+  WireArray() OSTEON_RT {}  // user-provided, so that construction does not initialise the values
   std::size_t count{0};
   std::array<T, N> value;
 };
@@ -36,7 +36,7 @@ struct WireTime {
 
 struct WireTransformation {
   std::optional<std::string_view> name;  // required; points into the datagram
-  WireArray<double, 12> element;         // 12 of a 3x4 matrix (1.x), or 7: position and quaternion (2.x)
+  WireArray<double, 12> element;  // 12 elements of a 3x4 matrix (1.x), or 7 of position and quaternion (2.x)
   std::optional<WireTime> time;
 };
 
@@ -90,8 +90,8 @@ struct WireMonitoring {
   FriList<WireTransformation, kFriMaxTransformations> transformations;
 };
 
-/// Reads a protobuf as its specification says: unknown fields are skipped, the last value of a repeated
-/// occurrence counts, and a nested message that comes again is merged. Stricter than libprotobuf:
+/// Reads a message by the rules of protobuf: unknown fields are skipped, the last of several values of a
+/// field is used, and repeated occurrences of a nested message are merged. It is stricter than libprotobuf:
 ///
 ///   - a known field of another wire type is an error, not an unknown field; groups are errors; numbers are
 ///     bounded as in proto_reader.h
@@ -100,7 +100,7 @@ struct WireMonitoring {
 ///     later value replaces them
 ///
 /// @param[out] wire  must be default-constructed; its names point into `body`.
-/// @returns false if it is no such message, or a required field is missing.
+/// @returns false if the bytes are no such message, or a required field is missing.
 [[nodiscard]] bool ReadMonitoring(std::span<const std::uint8_t> body, WireMonitoring& wire) OSTEON_RT;
 
 }  // namespace osteon::io

@@ -13,9 +13,9 @@
 namespace osteon::io {
 namespace {
 
-constexpr std::size_t kMaxAnswer = 1u << 20;  // bytes of a server's answer
+constexpr std::size_t kMaxAnswer = 1u << 20;  // largest size of a server's answer [bytes]
 
-// Returns 0, or the errno of the failure.
+// Connects to a server's socket. Returns 0, or errno in case of a failure.
 int Connect(const LocalSocket& socket, const std::filesystem::path& path) {
   const auto address = LocalAddress(path);
   if (!address) return ENAMETOOLONG;
@@ -34,7 +34,7 @@ std::vector<std::filesystem::path> FindLocalServers() {
       if (entry.path().extension() != ".sock") continue;
       const LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
       const int error_number = Connect(socket, entry.path());
-      // a socket that refuses a connection was left by a process that is gone
+      // a socket that refuses a connection was left by a process that has ended
       if (error_number == ECONNREFUSED) std::filesystem::remove(entry.path(), error);
       if (error_number == 0) found.push_back(entry.path());
     }

@@ -8,11 +8,11 @@
 
 namespace osteon::io {
 
-/// The paths of the sockets in LocalSocketFolders() that a server answers. Sockets of processes that are gone
-/// are removed.
+/// Returns the paths of those sockets in LocalSocketFolders() at which a server answers. Removes sockets of
+/// processes that have ended.
 [[nodiscard]] std::vector<std::filesystem::path> FindLocalServers();
 
-/// Sends a request, one line, to a local server and returns its answer. The error names the socket.
+/// Sends a request (one line) to a local server and returns its answer. The error names the socket.
 [[nodiscard]] tl::expected<std::string, std::string> AskLocalServer(const std::filesystem::path& socket,
                                                                     const std::string& request);
 

@@ -29,8 +29,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kBacklog = 64;             // connections that may wait to be accepted
-constexpr std::size_t kMaxClients = 16;  // clients served at once; a further one replaces the oldest
+constexpr int kBacklog = 64;  // largest number of connections that wait to be accepted
+// largest number of simultaneous clients; a further client replaces the oldest one
+constexpr std::size_t kMaxClients = 16;
 
 // A connection whose request is not complete yet.
 struct Client {
@@ -39,16 +40,17 @@ struct Client {
   Clock::time_point until;  // the connection is closed at this time
 };
 
-// The absolute path in an environment variable; empty if the variable is not set, or has no absolute path.
+// Returns the absolute path in an environment variable; empty if the variable is not set or contains no
+// absolute path.
 std::filesystem::path FolderOf(const char* variable) {
   const char* folder = std::getenv(variable);
   return folder != nullptr && folder[0] == '/' ? std::filesystem::path(folder) : std::filesystem::path();
 }
 
-// Makes the folder for this user alone, unless it exists. A folder of another user, or one that others may
-// enter, is refused.
+// Creates the folder for this user only, unless it exists. Refuses a folder of another user, or one that
+// other users may enter.
 // @param[out] group  the group that may send requests: set if $OSTEON_SOCKET_FOLDER names the folder and its
-//   group may enter it  @returns why the folder is refused; empty: it is not
+// group may enter it  @returns why the folder is refused; empty if it is accepted
 std::string MakeFolder(const std::filesystem::path& folder, std::optional<gid_t>& group) {
   ::mkdir(folder.c_str(), 0700);
   struct stat status {};
@@ -62,7 +64,7 @@ std::string MakeFolder(const std::filesystem::path& folder, std::optional<gid_t>
   return "";
 }
 
-// Whether the process at the other end has the group as its own or as a supplementary group.
+// Whether the process at the other end has the group as its primary or as a supplementary group.
 bool IsMember(int connection, const ucred& peer, gid_t group) {
   std::array<gid_t, 1024> groups{};
   socklen_t size = sizeof groups;
@@ -101,7 +103,7 @@ class Server final : public LocalServer {
   [[nodiscard]] const std::filesystem::path& path() const override { return path_; }
 
  private:
-  // The thread: serves clients until the destructor writes into the pipe.
+  // The thread's function: serves clients until the destructor writes into the pipe.
   void Run() {
     rt::NameThread("local socket");
     std::vector<pollfd> ready;
@@ -112,7 +114,7 @@ class Server final : public LocalServer {
         ready.push_back({.fd = client.socket.fd(), .events = POLLIN, .revents = 0});
       if (::poll(ready.data(), ready.size(), Wait_ms()) < 0 && errno != EINTR) return;
       if (ready[0].revents != 0) return;
-      std::size_t i = 2;  // after the pipe and the listening socket
+      std::size_t i = 2;  // the first two entries are the pipe and the listening socket
       for (auto client = clients_.begin(); client != clients_.end(); ++i) {
         const bool done = (ready[i].revents != 0 && Serve(*client)) || Clock::now() >= client->until;
         client = done ? clients_.erase(client) : std::next(client);
@@ -154,8 +156,9 @@ class Server final : public LocalServer {
 
   std::filesystem::path path_;
   std::optional<gid_t> group_;
-  LocalSocket socket_;        // the listening socket
-  LocalSocket wake_, woken_;  // a pipe's end to write and to read: a byte ends the thread
+  LocalSocket socket_;  // the listening socket
+  // ends of a pipe for writing and for reading: a byte in the pipe ends the thread
+  LocalSocket wake_, woken_;
   std::function<std::string(const std::string&)> answer_;
   std::list<Client> clients_;
   std::thread thread_;
@@ -188,7 +191,7 @@ tl::expected<std::unique_ptr<LocalServer>, std::string> LocalServer::Start(
   if (!address) return tl::unexpected(address.error());
   LocalSocket socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   if (socket.fd() < 0) return refuse("cannot open a socket");
-  ::unlink(path.c_str());  // an earlier process with the same number may have left a socket
+  ::unlink(path.c_str());  // an earlier process with the same process id may have left a socket
   if (::bind(socket.fd(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0)
     return refuse("cannot bind");
   if (::chmod(path.c_str(), group ? 0660 : 0600) != 0) return refuse("cannot set its rights");

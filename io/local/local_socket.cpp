@@ -13,7 +13,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Waits until the descriptor is ready for `events` (of poll). False if it is not ready at the time `until`.
+// Waits until the descriptor is ready for `events` (as for poll). Returns false if it is not ready at the
+// time `until`.
 bool Await(int fd, short events, Clock::time_point until) {
   while (true) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();

@@ -10,14 +10,14 @@
 
 #include <tl/expected.hpp>
 
-// Unix sockets, as server and client of io/local use them.
+// Unix sockets for the server and the client of io/local.
 
 namespace osteon::io {
 
 /// Longest wait for the other side of a local socket.
 inline constexpr std::chrono::milliseconds kLocalPatience{1000};
 
-/// Owns a descriptor; -1: none.
+/// Owns a socket's descriptor; -1: none.
 class LocalSocket {
  public:
   explicit LocalSocket(int fd = -1) : fd_(fd) {}
@@ -32,15 +32,18 @@ class LocalSocket {
   int fd_;
 };
 
-/// The address of a socket in the file system. The error: a path longer than the system takes (107 bytes).
+/// Returns the address of a socket in the file system; an error if the path is longer than the system allows
+/// (107 bytes).
 [[nodiscard]] tl::expected<sockaddr_un, std::string> LocalAddress(const std::filesystem::path& path);
 
-/// Reads up to a line end, which is removed. Nothing if the other side sends more than `limit` bytes without
-/// one, closes before it, or takes longer than `patience` in all.
+/// Reads a line and returns it without its line end. Returns nothing if the other side sends more than
+/// `limit` bytes without a line end, closes the connection before it, or takes longer than `patience` in
+/// total.
 [[nodiscard]] std::optional<std::string> ReadLine(int fd, std::size_t limit,
                                                   std::chrono::milliseconds patience);
 
-/// Writes a text. False if the other side has gone or takes nothing for kLocalPatience.
+/// Writes a text. Returns false if the other side has closed the connection or accepts no data for
+/// kLocalPatience.
 [[nodiscard]] bool WriteAll(int fd, const std::string& text);
 
 }  // namespace osteon::io

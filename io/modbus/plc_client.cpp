@@ -14,7 +14,8 @@
 namespace osteon::io {
 namespace {
 
-constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;  // Stop() ends a pause after at most this time
+// interval at which a pause checks whether Stop() was called
+constexpr rt::Nanoseconds kSlice = 10 * rt::kMillisecond;
 
 // Throws std::invalid_argument unless a parameter is accepted.
 void Require(bool accepted, const char* name, double found, const char* range) {
@@ -23,20 +24,21 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
-// The next time of a periodic action that was due at `due`. If the action is late by more than 1 ms, the
-// period counts from now on: missed times are not made up for.
+// Returns the next time of a periodic action that was due at `due`. If the action is late by more than 1 ms,
+// the next period begins at `now`: missed times are skipped.
 rt::Nanoseconds NextDue(rt::Nanoseconds due, rt::Nanoseconds now, int every_ms) {
   return std::max(due, now - rt::kMillisecond) + every_ms * rt::kMillisecond;
 }
 
 }  // namespace
 
-// Owns libmodbus' context; null if there was no memory.
+// Owns libmodbus' context; null if memory was not sufficient.
 struct PlcClient::Connection {
   explicit Connection(const PlcClientParams& params)
       : context(modbus_new_tcp(params.address.c_str(), params.port)) {
     if (context != nullptr)
-      modbus_set_byte_timeout(context, 0, 0);  // the response timeout applies to the whole answer
+      // without a byte timeout, the response timeout applies to the whole answer
+      modbus_set_byte_timeout(context, 0, 0);
   }
   ~Connection() {
     if (context == nullptr) return;
@@ -46,7 +48,7 @@ struct PlcClient::Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // Longest wait for an answer.
+  // Sets the longest wait for an answer.
   void SetTimeout(int ms) const {
     modbus_set_response_timeout(context, static_cast<std::uint32_t>(ms / 1000),
                                 static_cast<std::uint32_t>(ms % 1000) * 1000u);
@@ -94,7 +96,7 @@ PlcClient::Answer PlcClient::CountFailure(int error) {
     if (error == ETIMEDOUT) ++reading_.counters.timeouts;
     return Answer::kNone;
   }
-  ++reading_.counters.rejected;  // the error numbers from MODBUS_ENOBASE on are those of libmodbus
+  ++reading_.counters.rejected;  // error numbers from MODBUS_ENOBASE on are defined by libmodbus
   return error >= EMBXILFUN && error <= EMBXGTAR ? Answer::kException : Answer::kNonsense;
 }
 
@@ -114,7 +116,8 @@ void PlcClient::Run() {
       ++reading_.counters.lost;
       if (has_read) {
         pause_ms = params_.first_pause_ms;
-        if (reading_.link == PlcLink::kConnected) continue;  // reconnects at once, as the reading grows older
+        // reconnect without a pause, because the last reading is still in use and grows older
+        if (reading_.link == PlcLink::kConnected) continue;
       }
     }
     if (stop_.load(std::memory_order_relaxed)) break;
@@ -129,7 +132,7 @@ bool PlcClient::ServeConnection(Connection& connection) {
   // whether an answer ends the connection
   const auto ends_connection = [this](Answer answer) {
     if (answer == Answer::kNonsense)
-      PublishDisconnected();  // at once: the reading must not be used any longer
+      PublishDisconnected();  // publish at once, because the last reading must not be used any longer
     return answer == Answer::kNone || answer == Answer::kNonsense;
   };
   bool has_read = false;
@@ -183,15 +186,16 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
   reading_.last_error = 0;
   const bool first = reading_.link != PlcLink::kConnected;
   const bool changed = first || inputs.heartbeat != reading_.inputs.heartbeat;
-  // after being squeezed through, the switch must be released before its middle position counts again (IEC
-  // 60204-1, 10.9)
+  // After the switch was squeezed through, it must be released before its middle position enables motion
+  // again (IEC 60204-1, 10.9).
   if (reading_.inputs.enabling == PlcEnabling::kSqueezed && inputs.enabling == PlcEnabling::kEnabled)
     inputs.enabling = PlcEnabling::kSqueezed;
   reading_.inputs = inputs;
   reading_.stamp = asked;
   if (inputs.version != kPlcVersion) {
     reading_.link = PlcLink::kWrongVersion;
-    return Answer::kNonsense;  // nothing may be written to this PLC; Run() connects again after a pause
+    return Answer::kNonsense;  // nothing may be written to a PLC of another version; Run() connects again
+                               // after a pause
   }
   if (changed) reading_.heartbeat_changed = asked;
   reading_.link = PlcLink::kConnected;
@@ -201,11 +205,12 @@ PlcClient::Answer PlcClient::ReadBlock(Connection& connection) {
 
 PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
   const std::uint32_t beats = beats_.load(std::memory_order_relaxed);
-  if (beats == beats_written_) return Answer::kWhole;  // if the loop stops, so does the heartbeat
+  // NotifyAlive() was not called: if the loop stops, the heartbeat stops too
+  if (beats == beats_written_) return Answer::kWhole;
   const std::array<std::uint16_t, 2> values{
       static_cast<std::uint16_t>(heartbeat_ + 1u),
       static_cast<std::uint16_t>(motion_.load(std::memory_order_relaxed) ? 1 : 0)};
-  // MOTION_REQUEST or GUARD_PERMITS is in the register after the heartbeat
+  // the register of MOTION_REQUEST or GUARD_PERMITS follows that of the heartbeat
   const int count = static_cast<int>(values.size());
   const int address = params_.role == PlcRole::kController ? kPlcControllerHeartbeat : kPlcGuardHeartbeat;
   if (modbus_write_registers(connection.context, address, count, values.data()) != count)
@@ -218,8 +223,8 @@ PlcClient::Answer PlcClient::WriteHeartbeat(Connection& connection) {
 
 namespace {
 
-// Says why there is no connection; empty if no reason is known. libmodbus reports a connect that took too
-// long as "in progress".
+// Returns why there is no connection; empty if no reason is known. If a connect takes too long, libmodbus
+// reports EINPROGRESS.
 std::string ReasonOf(const PlcClientParams& params, const PlcReading& reading) {
   if (reading.last_error == EMBXILVAL && reading.bad.address != 0)
     return "register " + std::to_string(reading.bad.address) + ": found " +

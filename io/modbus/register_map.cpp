@@ -12,7 +12,7 @@ std::optional<PlcBadRegister> DecodePlc(std::span<const std::uint16_t, kPlcReadC
       {{970, 3}, {973, 1}, {974, 1}, {978, 1}, {979, 2}, {980, 1}, {981, 1}, {982, 1}}};
   const auto at = [&](int address) { return block[static_cast<std::size_t>(address - kPlcFirstRead)]; };
 
-  // the registers of another version may have other meanings
+  // check the version first, because in another version the registers may have other meanings
   PlcInputs read;
   read.version = at(977);
   if (read.version != kPlcVersion) {

@@ -14,15 +14,16 @@
 
 namespace osteon::io {
 
-/// Keeps the code and tables of the message path in the processor's caches: shortly before the next message,
-/// sends the last one through the kernel's loopback, decodes it, and encodes and sends an answer. Two sockets
-/// and a session are used for this alone, and their results are discarded. The session stays in step with the
-/// link's if every message that the link has accepted is passed to Run.
+/// Keeps the code and data of the message path in the processor's caches. Shortly before the next message is
+/// expected, it sends the last message through the kernel's loopback interface, decodes it, and encodes and
+/// sends an answer. It uses two sockets and a session of its own, whose results are discarded. The session
+/// has the same state as the link's session if every message that the link has accepted is passed to Run.
 /// @tparam Session  the protocol's session, FRI or RSI (see SessionJudge)
 template <class Session, std::size_t kMaxBytes>
 class CacheWarmup {
  public:
-  /// Opens the two sockets. Null if the system provides none: the caller then runs without a warm-up.
+  /// Opens the two sockets. Returns null if the system provides no sockets; the caller then runs without a
+  /// warm-up.
   [[nodiscard]] static std::unique_ptr<CacheWarmup> Make(const char* who, const Session& session) {
     const auto near = BindUdp(who, kLoopback, 0);
     if (!near) return nullptr;
@@ -32,7 +33,7 @@ class CacheWarmup {
       return nullptr;
     }
     auto made = std::unique_ptr<CacheWarmup>(new CacheWarmup(*near, *far, session));
-    // connect them to each other: the system drops datagrams from anybody else
+    // connect the sockets to each other, so that the system drops datagrams of other senders
     return ConnectTo(far->port, near->socket) && ConnectTo(near->port, far->socket) ? std::move(made)
                                                                                     : nullptr;
   }
@@ -62,8 +63,8 @@ class CacheWarmup {
   CacheWarmup(const BoundUdp& near, const BoundUdp& far, const Session& session)
       : near_(near), far_(far), session_(session) {}
 
-  UdpPeer<kMaxBytes> near_;  // takes the part of the link
-  BoundUdp far_;             // takes the part of the arm
+  UdpPeer<kMaxBytes> near_;  // plays the role of the link
+  BoundUdp far_;             // plays the role of the arm
   Session session_;
   control::ArmState state_;
   std::array<std::uint8_t, kMaxBytes> buffer_{};

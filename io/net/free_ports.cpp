@@ -7,10 +7,10 @@
 namespace osteon::io {
 namespace {
 
-// The range that is searched: below the ports that systems assign themselves.
+// Range of ports that is searched. It is below the ports that operating systems assign automatically.
 constexpr int kMinPort = 20000, kMaxPort = 32000;
 
-// Whether a port of the loopback is free. @param type  SOCK_DGRAM (UDP) or SOCK_STREAM (TCP)
+// Whether a port of the loopback interface is free. @param type  SOCK_DGRAM (UDP) or SOCK_STREAM (TCP)
 bool IsFree(int type, int port) {
   const int socket = ::socket(AF_INET, type, 0);
   if (socket < 0) return false;

@@ -12,16 +12,16 @@
 
 namespace osteon::io {
 
-/// Whether a batch keeps each message's sender.
+/// Whether a batch stores each message's sender.
 enum class Sender : std::uint8_t { kDropped, kKept };
 
-/// Room for several datagrams, or raw CAN frames, that cross a socket in one system call: a tick costs one
-/// call in each direction instead of one for each message. No allocation after construction.
-/// @tparam kBytes  largest message  @tparam kControl  control data of a message (cmsg), or 0
+/// Buffers for several datagrams or raw CAN frames that are received or sent with one system call, so that a
+/// tick needs one call in each direction instead of one for each message. No allocation after construction.
+/// @tparam kBytes  largest message  @tparam kControl  size of a message's control data (cmsg), or 0
 template <std::size_t kBytes, std::size_t kControl, Sender kSender = Sender::kDropped>
 class MessageBatch {
  public:
-  static constexpr std::size_t kMax = 32;  ///< messages in one call
+  static constexpr std::size_t kMax = 32;  ///< largest number of messages in one call
 
   MessageBatch() {
     for (std::size_t i = 0; i < kMax; ++i) {
@@ -34,11 +34,11 @@ class MessageBatch {
   MessageBatch(const MessageBatch&) = delete;
   MessageBatch& operator=(const MessageBatch&) = delete;
 
-  /// Takes the waiting messages, at most `most` (and kMax); never waits. @returns how many; below 0: errno
-  /// gives the reason, EAGAIN if none waits.
+  /// Receives the waiting messages, at most `most` and at most kMax; never waits. @returns the number
+  /// received; if negative, errno gives the reason (EAGAIN: no message waits).
   int Receive(int socket, std::size_t most) OSTEON_RT {
     if (most > kMax) most = kMax;
-    // restore the headers that the last call changed: the first `used_` ones
+    // restore the first `used_` headers, which the last call changed
     for (; used_ > 0; --used_) {
       msghdr& header = messages_[used_ - 1].msg_hdr;
       if constexpr (kControl > 0) {
@@ -48,12 +48,12 @@ class MessageBatch {
       if constexpr (kSender == Sender::kKept) header.msg_namelen = sizeof(sockaddr_in);
     }
     const int came = recvmmsg(socket, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
-    // the system may also have changed the header of a message that it did not take
+    // the system may also have changed the header after that of the last received message
     used_ = came < 0 ? 1 : static_cast<std::size_t>(came) + 1;
     if (used_ > kMax) used_ = kMax;
     return came;
   }
-  /// Bytes of message i as received; cut if the room was too small.
+  /// Bytes of received message i; truncated if the buffer was too small.
   [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t i) const OSTEON_RT {
     return {bytes_[i].data(), messages_[i].msg_len};
   }
@@ -63,12 +63,12 @@ class MessageBatch {
     return senders_[i];
   }
 
-  /// Room for the bytes of outgoing message i; SetSize sets how many are sent.
+  /// Buffer for the bytes of outgoing message i; SetSize sets how many of them are sent.
   [[nodiscard]] std::array<std::uint8_t, kBytes>& room(std::size_t i) OSTEON_RT { return bytes_[i]; }
   void SetSize(std::size_t i, std::size_t size) OSTEON_RT { parts_[i].iov_len = size; }
 
-  /// Sends the first `count` messages in their order; never waits. @returns how many the system accepted;
-  /// below 0: errno says why it refused the first.
+  /// Sends the first `count` messages in their order; never waits. @returns the number that the system
+  /// accepted; if negative, errno says why it refused the first message.
   int Send(int socket, std::size_t count) OSTEON_RT {
     return sendmmsg(socket, messages_.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
   }
@@ -82,7 +82,7 @@ class MessageBatch {
   std::array<sockaddr_in, kSender == Sender::kKept ? kMax : 0> senders_{};
   std::array<iovec, kMax> parts_{};
   std::array<mmsghdr, kMax> messages_{};
-  std::size_t used_{kMax};  // headers to restore before the next call
+  std::size_t used_{kMax};  // number of headers to restore before the next call
 };
 
 }  // namespace osteon::io

@@ -11,14 +11,15 @@ namespace osteon::io {
 /// A network interface of this machine.
 struct NetworkCard {
   std::string name;
-  bool is_up{false};      ///< switched on
+  bool is_up{false};      ///< the interface is enabled
   bool has_cable{false};  ///< the card has a carrier: a cable with a device at its other end
 };
-/// The interface that has an IPv4 address; nothing if none has.
+/// Returns the interface that has this IPv4 address; nothing if no interface has it.
 [[nodiscard]] std::optional<NetworkCard> FindNetworkCard(const std::string& address);
 
 /// Tries to open a TCP connection to an IPv4 address, and closes it at once.
-/// @param patience_ms  how long to wait for an answer  @returns why it was not accepted; empty: it was
+/// @param patience_ms  longest wait for an answer  @returns why the connection was not accepted; empty if it
+/// was
 [[nodiscard]] std::string WhyNoTcpConnection(const std::string& address, std::uint16_t port, int patience_ms);
 
 }  // namespace osteon::io

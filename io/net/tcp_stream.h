@@ -9,8 +9,8 @@
 
 namespace osteon::io {
 
-/// A TCP connection to a server on an IPv4 address, for measurements: it can end like the connection of a
-/// program that is killed. Receive blocks up to its patience; one thread.
+/// A TCP connection to a server on an IPv4 address, for measurements. It can be ended in the way in which the
+/// connection of a killed program ends. For one thread.
 class TcpStream {
  public:
   /// @returns the error names address and port.
@@ -20,12 +20,13 @@ class TcpStream {
   TcpStream& operator=(TcpStream&&) = delete;
   ~TcpStream();
 
-  /// Sends all bytes. False if the other end has gone.
+  /// Sends all bytes. Returns false if the other end has closed the connection.
   [[nodiscard]] bool Send(std::string_view bytes);
-  /// Returns the bytes that have arrived; waits for the first one. Empty: nothing came within `patience`, or
-  /// the other end has closed the connection.
+  /// Returns the bytes that have arrived; waits for the first one. Empty if nothing arrived within
+  /// `patience`, or if the other end has closed the connection.
   [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
-  /// Ends the connection by a reset, as the system does for a killed process that has not read everything.
+  /// Ends the connection by a reset, as the system does for a killed process that has not read all received
+  /// data.
   void Kill();
 
  private:

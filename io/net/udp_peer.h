@@ -16,7 +16,8 @@
 
 namespace osteon::io {
 
-/// UdpPeer's protocol interface for sessions that judge the arm's messages: FriSession, RsiSession.
+/// Adapter of a session (FriSession, RsiSession), which evaluates the arm's messages, to UdpPeer's protocol
+/// interface.
 template <class Session>
 struct SessionJudge {
   Session& session;
@@ -36,19 +37,19 @@ struct SessionJudge {
 template <class Session>
 SessionJudge(Session&, control::ArmState&) -> SessionJudge<Session>;
 
-/// The PC's end of a protocol in which the other side speaks first: answers go to the source of its message.
-/// If the peer's address is given, messages from other addresses are rejected. The first sender of a valid
-/// message is the peer. Others are rejected, until the peer has been silent for a second (a restarted peer
-/// may come back from another port). If several messages wait, the newest is used. One thread at a time; no
-/// allocation after opening, no system calls except the socket's and the clock's.
-/// @tparam kMaxBytes  largest datagram; a longer one is cut
+/// The PC's end of a protocol in which the other side (the peer) sends first; answers go to the source of the
+/// peer's message. If the peer's address is given, messages from other addresses are rejected. The first
+/// sender of a valid message is the peer. Other senders are rejected until the peer has been silent for a
+/// second (a restarted peer may use another port). If several messages wait, the newest is used. One thread
+/// at a time; no allocation after opening, no system calls except the socket's and the clock's.
+/// @tparam kMaxBytes  largest size of a datagram; a longer one is truncated
 template <std::size_t kMaxBytes>
 class UdpPeer {
  public:
-  /// After this long without a message from the peer, another sender may take its place.
+  /// Time without a message from the peer after which another sender may become the peer.
   static constexpr rt::Nanoseconds kSilence = rt::kSecond;
 
-  /// @param from  the peer's address; none: any
+  /// @param from  the peer's address; none: any address
   explicit UdpPeer(const BoundUdp& bound, std::optional<in_addr> from = {}) : bound_(bound), from_(from) {}
   ~UdpPeer() {
     if (bound_.socket >= 0) close(bound_.socket);
@@ -57,21 +58,21 @@ class UdpPeer {
   UdpPeer& operator=(const UdpPeer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const { return bound_.port; }
-  /// For callers that wait on several sockets at once: only for polling.
+  /// The socket's descriptor, only for polling by callers that wait for several sockets.
   [[nodiscard]] int socket() const OSTEON_RT { return bound_.socket; }
   [[nodiscard]] bool has_peer() const OSTEON_RT { return has_peer_; }
 
-  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC. Messages that have arrived are taken even
-  /// if the deadline has passed. `protocol` judges them, without allocation:
+  /// Waits for valid messages until `deadline` on CLOCK_MONOTONIC. Messages that have already arrived are
+  /// received even if the deadline has passed. `protocol` evaluates the messages, without allocation:
   ///
-  ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   valid?
-  ///     bool IsMessage(std::span<const std::uint8_t> datagram)   could be valid; changes nothing
-  ///     void Reject()        a datagram from a stranger
-  ///     void ResetSession()  the next message is from another peer than those before
-  ///     void OnOvertaken()   a valid message was overtaken by a newer one that was also waiting
+  ///     bool Accept(std::span<const std::uint8_t> datagram, rt::Nanoseconds arrival)   true if it is valid
+  ///     bool IsMessage(std::span<const std::uint8_t> datagram)   true if it could be valid; changes nothing
+  ///     void Reject()        called for a datagram of another sender than the peer
+  ///     void ResetSession()  called if the next message is from a new peer
+  ///     void OnOvertaken()   called if a valid message is overtaken by a newer one that also waited
   template <class Protocol>
   control::ReceiveResult Receive(Protocol&& protocol, rt::Nanoseconds deadline) OSTEON_RT {
-    constexpr std::size_t kMaxAtOnce = 64;  // bounds the time that a flood can take
+    constexpr std::size_t kMaxAtOnce = 64;  // largest number of datagrams read before a return or a wait
     for (;;) {
       bool received = false;
       for (std::size_t left = kMaxAtOnce; left > 0;) {
@@ -85,8 +86,8 @@ class UdpPeer {
           if (received) protocol.OnOvertaken();
           received = true;
         }
-        if (taken > 0 && came < asked) break;  // nothing else waits
-        // a call without a message counts too: it reports that one of our datagrams was undeliverable
+        if (taken > 0 && came < asked) break;  // no further message waits
+        // a call without a message counts too; it reports that a datagram sent earlier was undeliverable
         left -= std::max<std::size_t>(came, 1);
       }
       if (received) return control::ReceiveResult::kOk;
@@ -98,13 +99,14 @@ class UdpPeer {
   /// The newest valid message. Valid until the next Receive.
   [[nodiscard]] std::span<const std::uint8_t> newest() const OSTEON_RT { return newest_; }
 
-  /// Sleeps until `time` on CLOCK_MONOTONIC, at most. Returns true if something can be read, or the socket is
-  /// closed.
+  /// Waits until `time` on CLOCK_MONOTONIC, or until a datagram can be read or the socket is closed. Returns
+  /// true in the latter cases.
   [[nodiscard]] bool Await(rt::Nanoseconds time) OSTEON_RT {
     return WaitReadable(bound_.socket, time) != Wait::kNothing;
   }
 
-  /// Sends to the peer. False if there is none, or the system did not accept all of it.
+  /// Sends to the peer. Returns false if there is no peer, or if the system did not accept the whole
+  /// datagram.
   bool Send(std::span<const std::uint8_t> answer) OSTEON_RT {
     if (!has_peer_) return false;
     return sendto(bound_.socket, answer.data(), answer.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
@@ -113,8 +115,8 @@ class UdpPeer {
   }
 
  private:
-  // Judges message i of the batch: its sender, then by the protocol. True if it is valid; its sender is then
-  // the peer.
+  // Checks the sender of message i of the batch, then lets the protocol evaluate the message. Returns true if
+  // the message is valid; its sender is then the peer.
   template <class Protocol>
   bool AcceptMessage(Protocol& protocol, std::size_t i) OSTEON_RT {
     const sockaddr_in& sender = in_.sender(i);
@@ -126,7 +128,8 @@ class UdpPeer {
       protocol.Reject();
       return false;
     }
-    // only a possible message from a new sender starts a session: noise must not end the present one
+    // start a session only if a new sender's datagram could be a message, so that other datagrams do not end
+    // the present session
     if (!known && protocol.IsMessage(in_.bytes(i))) protocol.ResetSession();
     if (!protocol.Accept(in_.bytes(i), arrival)) return false;
     newest_ = in_.bytes(i);
