@@ -28,8 +28,8 @@ constexpr std::array<char, kCarvedMagic.size()> Magic() {
   return bytes;
 }
 constexpr std::uint32_t kVersion = 1;
-constexpr double kReach_mm =
-    1e6;  // largest coordinate: a float resolves it to better than a tenth of a millimetre
+// largest coordinate: a float resolves it to better than a tenth of a millimetre
+constexpr double kReach_mm = 1e6;
 
 /// The header: the first bytes of the file, stored as this struct lies in memory. CarvedState describes the
 /// values.

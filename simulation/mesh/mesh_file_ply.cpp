@@ -280,8 +280,8 @@ class PlyReader {
     std::size_t min_bytes = 0;
     bool has_corners = false, has_vertices = false;
     for (const PlyElement& element : elements_) {
-      std::size_t row =
-          0;  // smallest size of a row [bytes]; a value in a text file has at least a digit and a space
+      // smallest size of a row [bytes]; a value in a text file has at least a digit and a space
+      std::size_t row = 0;
       for (const PlyProperty& p : element.properties)
         row += format_ == PlyFormat::kText ? 2 : p.count_type ? p.count_type->bytes : p.type->bytes;
       min_bytes += element.count * row;
@@ -350,8 +350,8 @@ class PlyReader {
         const auto value = body.Next(*property.type);
         if (!value) return too_short();
         if (property.axis >= 0) {
-          const float x =
-              static_cast<float>(*value) + 0.0f;  // turns -0 into +0, so that equal places have equal bits
+          // turns -0 into +0, so that equal places have equal bits
+          const float x = static_cast<float>(*value) + 0.0f;
           if (!std::isfinite(x))
             return body.Damage(
                 name_,

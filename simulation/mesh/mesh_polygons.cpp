@@ -8,8 +8,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMaxConcaveCorners =
-    1024;  // limit, because the search for ears takes at least quadratic time
+// limit, because the search for ears takes at least quadratic time
+constexpr std::size_t kMaxConcaveCorners = 1024;
 
 using Point2 = std::array<double, 2>;
 

@@ -17,12 +17,12 @@ namespace {
 constexpr double kInside = 0.5;        // winding number at the surface that is made
 constexpr double kSurely = 0.1;        // distance from kInside from which a block has one winding number
 constexpr double kSolidWinding = 0.8;  // inside a closed solid it is 1
-constexpr double kMinSolidShare =
-    0.5;  // smallest share of the volume inside whose winding number is above kSolidWinding
+// smallest share of the volume inside whose winding number is above kSolidWinding
+constexpr double kMinSolidShare = 0.5;
 constexpr double kMinStep_m = 0.1e-3;  // smallest step of the grid
 constexpr int kBlock = 4;              // grid steps along the edge of a block
-constexpr std::size_t kShellSamples =
-    9;                           // number of a shell's triangles that are tested for lying in other shells
+// number of a shell's triangles that are tested for lying in other shells
+constexpr std::size_t kShellSamples = 9;
 constexpr int kBisections = 10;  // number of bisections: the vertices are exact to a thousandth of the step
 
 /// Groups of triangles that are joined by edges with exactly two triangles.
@@ -124,8 +124,8 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
     for (std::size_t k = 0; k < samples; ++k) {
       const auto& t = mesh.triangles[own[k * own.size() / samples]];
       const Vector3 p = (mesh.vertices_m[t[0]] + mesh.vertices_m[t[1]] + mesh.vertices_m[t[2]]) / 3.0;
-      double others =
-          winding.At(p);  // becomes the winding number of the other shells: the loop subtracts this shell's
+      // becomes the winding number of the other shells: the loop subtracts this shell's
+      double others = winding.At(p);
       for (const std::uint32_t i : own)
         others -=
             TriangleWinding(p, mesh.vertices_m[mesh.triangles[i][0]], mesh.vertices_m[mesh.triangles[i][1]],

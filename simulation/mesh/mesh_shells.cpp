@@ -11,8 +11,8 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMaxShells = 64;
-constexpr std::size_t kSamples =
-    15;  // number of triangles that LiesIn tests; odd, so that there is always a majority
+// number of triangles that LiesIn tests; odd, so that there is always a majority
+constexpr std::size_t kSamples = 15;
 constexpr double kMinFullness = 1e-12;  // smallest accepted volume, divided by the cube of the box's diagonal
 
 /// Triangles that are joined by common vertices.
@@ -186,8 +186,8 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
       bounds[i] = true;
       continue;
     }
-    const std::optional<std::size_t> around =
-        region_of[*parent];  // region around the shell; empty: the solid itself
+    // region around the shell; empty: the solid itself
+    const std::optional<std::size_t> around = region_of[*parent];
     if (outwards) {
       found[i].kind = ShellKind::kRegion;
       region_of[i] = loaded.regions.size();

@@ -134,8 +134,8 @@ class Marching {
       const double middle = 0.5 * (in + out);
       (level_(p_in + middle * (p_out - p_in)) < 0.0 ? in : out) = middle;
     }
-    constexpr double kFromEnds =
-        0.05;  // smallest distance of a vertex from the edge's ends, divided by the edge's length
+    // smallest distance of a vertex from the edge's ends, divided by the edge's length
+    constexpr double kFromEnds = 0.05;
     const double s = std::clamp(0.5 * (in + out), kFromEnds, 1.0 - kFromEnds);
     vertex = static_cast<std::uint32_t>(mesh_.vertices_m.size());
     mesh_.vertices_m.push_back(p_in + s * (p_out - p_in));

@@ -79,11 +79,11 @@ struct MeshRemake {
 /// Changes that loading made to the file's triangles.
 struct MeshReport {
   std::size_t dropped_triangles{0};  ///< triangles with two corners in one place
-  std::size_t duplicate_triangles{
-      0};  ///< copies of triangles that were dropped: same part, same three corners
-  std::size_t welded_vertices{
-      0};               ///< vertices welded because they lay within the tolerance on the two sides of a slit
-  bool flipped{false};  ///< the whole mesh was inside out, and was turned over
+  /// copies of triangles that were dropped: same part, same three corners
+  std::size_t duplicate_triangles{0};
+  /// vertices welded because they lay within the tolerance on the two sides of a slit
+  std::size_t welded_vertices{0};
+  bool flipped{false};               ///< the whole mesh was inside out, and was turned over
   std::vector<MeshShell> shells;     ///< in the order of their first triangles
   std::optional<MeshRemake> remake;  ///< if it has a value, the surface was remade from the file's
 };

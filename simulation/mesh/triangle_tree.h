@@ -30,8 +30,8 @@ class TriangleTree {
   };
   using Four = std::array<float, 4>;
   struct alignas(16) Node {
-    std::array<Four, 3> low,
-        high;  ///< corners of the children's boxes, [axis][child], relative to middle_m_ [m]
+    /// corners of the children's boxes, [axis][child], relative to middle_m_ [m]
+    std::array<Four, 3> low, high;
     std::array<std::int32_t, 4> child;  ///< index of a node; ~i: leaf i; or kNoChild
   };
   /// Up to four triangles, each within a disc, which bounds an oblique triangle more tightly than a box.

@@ -11,10 +11,10 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::uint32_t kMaxLeaf = 6;  // largest number of triangles in a group that is not divided
-constexpr double kFar =
-    2.0;  // the series is used for a group that is farther away than this times its radius
-constexpr std::size_t kMaxDepth =
-    64;  // each division halves the number of triangles: 2^32 triangles need 32 divisions
+// the series is used for a group that is farther away than this times its radius
+constexpr double kFar = 2.0;
+// each division halves the number of triangles: 2^32 triangles need 32 divisions
+constexpr std::size_t kMaxDepth = 64;
 
 }  // namespace
 

@@ -40,8 +40,8 @@ class WindingNumber {
     Matrix3 moments_m3{Matrix3::Zero()};
     double radius_m{0.0};            ///< largest distance of a vertex from center_m
     std::uint32_t first{0}, end{0};  ///< range in triangles_
-    std::uint32_t second_half{
-        0};  ///< index of the group's second half; the first half follows this group; 0: not divided
+    /// index of the group's second half; the first half follows this group; 0: not divided
+    std::uint32_t second_half{0};
   };
 
   /// Makes the group of triangles_[first, end), and the groups of its halves. @returns the group's index.
