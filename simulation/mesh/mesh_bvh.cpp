@@ -63,8 +63,8 @@ struct MeshBvh::Impl {
   TriangleMesh mesh;
   TriangleTree tree;
   std::once_flag once;
-  std::optional<EmbreeScene>
-      scene;  ///< made by the first search for crossings; most meshes need no such search
+  /// made by the first search for crossings; most meshes need no such search
+  std::optional<EmbreeScene> scene;
 
   explicit Impl(const TriangleMesh& from) : mesh(from), tree(mesh) {}
   [[nodiscard]] RTCScene Scene() {

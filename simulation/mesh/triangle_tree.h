@@ -52,8 +52,8 @@ class TriangleTree {
 
   Vector3 middle_m_{Vector3::Zero()};
   double extent_m_{0.0};  ///< largest coordinate of a vertex relative to middle_m_
-  std::uint64_t
-      id_;  ///< number that no other tree of this process has, not even a later tree at the same address
+  /// number that no other tree of this process has, not even a later tree at the same address
+  std::uint64_t id_;
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;  ///< the root is the first
   std::vector<Leaf> leaves_;
