@@ -61,10 +61,10 @@ float DepthIn(const Capsule& capsule, Vec3 point) {
   return capsule.radius_mm - Norm(from_a - t * along);
 }
 
-// Capsule A is deeper than capsule B at a brick's centre. B can only become deeper at a node as the
-// directions to both axes differ. Their difference is at most the distance between the axes, divided by the
-// axes' distance from the brick. Times half the brick's diagonal, it bounds the depth that B gains on A
-// between the centre and a node.
+// Capsule A is deeper than capsule B at a brick's centre. B can only be deeper at a node if the directions
+// from there to both axes differ. The difference of these unit vectors is at most the distance between the
+// axes, divided by the axes' distance from the brick. This difference, times half the brick's diagonal,
+// bounds the depth that B gains on A between the centre and a node.
 void SelectCapsules(std::span<const Capsule> capsules, std::span<const float> depths, float reach_mm,
                     float half_mm, std::vector<std::uint32_t>& kept) {
   constexpr float kRoundingMargin = 1.01F;

@@ -107,7 +107,8 @@ Vec3 SmoothGradient(const std::int16_t* field, int at, Vec3 p) {
 }
 
 EdgeCut CutEdge(float solid_low, float solid_high, float swept_low, float swept_high) {
-  // a field without a crossing counts as the last one met from inside
+  // positions for a field that does not cross the edge: beyond the outer end, so that the other field's
+  // crossing is the first one
   constexpr float kBehind = 2.0F, kBefore = -1.0F;
   const bool low_inside = solid_low < 0.0F && swept_low < 0.0F;
   const auto crossing = [low_inside](float low, float high) {
