@@ -27,7 +27,7 @@
 namespace osteon::studies {
 namespace {
 
-/// Figures of one bone at one voxel.
+/// Figures of one bone at one voxel size.
 struct SurfaceTimes {
   std::string cell;
   double voxel_mm{0.0}, build_s{0.0}, first_mesh_s{0.0};
