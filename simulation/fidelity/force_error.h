@@ -28,7 +28,7 @@ struct ForceErrors {
 /// Compares two forces frame by frame.
 /// @param measured, exact  forces in the same frames: equally many
 /// @param rate_hz  number of frames per second
-/// @throws std::invalid_argument where the numbers differ or the rate is not positive.
+/// @throws std::invalid_argument if the numbers differ or the rate is not positive.
 [[nodiscard]] ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const FeltForce> exact,
                                         double rate_hz);
 

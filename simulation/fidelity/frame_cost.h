@@ -26,7 +26,7 @@ struct FrameGroup {
 /// interrupted ones: if a GPU driver computes on the processor, its threads wait for each other in most
 /// frames, and the few frames without a wait are atypical. (On two cores the median of these few frames was
 /// up to five times that of all frames.)
-/// @throws std::invalid_argument where there is no frame.
+/// @throws std::invalid_argument if there is no frame.
 [[nodiscard]] FrameGroup GroupOf(std::span<const FrameSample> samples);
 
 /// Model of the time t of a frame, for one machine and one tool:
@@ -40,7 +40,7 @@ struct FrameCost {
 
 /// Fits t0 and c to the groups' medians by least squares of relative errors. tail_ratio is the median of the
 /// groups' ratios of 99.9th percentile to median.
-/// @throws std::invalid_argument where there are fewer than two groups, or a median is not positive.
+/// @throws std::invalid_argument if there are fewer than two groups, or a median is not positive.
 [[nodiscard]] FrameCost FitFrameCost(std::span<const FrameGroup> groups);
 
 }  // namespace osteon::simulation

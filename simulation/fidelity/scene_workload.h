@@ -23,7 +23,7 @@ struct SceneWorkloadParams {
 ///     path   the head's centre along the zone's path
 ///
 /// Materials are the scene's without friction; `task` is kScene, and there are no exact forces.
-/// @throws std::invalid_argument where the zone is neither cup nor path, or the tool cuts nothing.
+/// @throws std::invalid_argument if the zone is neither cup nor path, or the tool cuts nothing.
 [[nodiscard]] CutWorkload MakeSceneWorkload(const SceneSolid& solid, const SceneParams& scene,
                                             const Tool& tool, const CuttingParams& cutting,
                                             const SceneWorkloadParams& params = {});

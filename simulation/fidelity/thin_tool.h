@@ -10,7 +10,7 @@ namespace osteon::simulation {
 ///
 /// The surface is sampled at 200 points of each ball; points inside another ball of the same kind are left
 /// out.
-/// @throws std::invalid_argument where the gap is negative or not finite.
+/// @throws std::invalid_argument if the gap is negative or not finite.
 [[nodiscard]] Tool ThinTool(const Tool& tool, double gap_m);
 
 /// Mean distance [m], weighted by area, from the cutting surface of `tool` to the cutting balls of `thin`;

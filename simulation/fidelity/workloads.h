@@ -61,7 +61,7 @@ struct CutWorkloadParams {
 };
 
 /// Makes a workload's solid, tool and frames.
-/// @throws std::invalid_argument where rate, speeds or offset are not positive, or the offset exceeds 1 mm.
+/// @throws std::invalid_argument if rate, speeds or offset are not positive, or the offset exceeds 1 mm.
 [[nodiscard]] CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params = {});
 
 /// Result of a workload's run on an engine.

@@ -61,7 +61,7 @@ class PolygonTriangulator {
 
   /// Projects the corners along the largest component of the mean normal (Newell), so that they run
   /// counter-clockwise.
-  /// @returns false where the polygon has no area.
+  /// @returns false if the polygon has no area.
   bool Project() {
     std::array<double, 3> normal{};
     for (std::size_t i = 0; i < ring_.size(); ++i) {
@@ -139,7 +139,7 @@ class PolygonTriangulator {
   std::vector<std::size_t> left_;             // indices in ring_ of the corners that are not cut off yet
 };
 
-/// True where the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
+/// True if the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
 bool IsUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);

@@ -62,7 +62,7 @@ class BallBone {
 
   /// Writes balls and cleared points into a state; Load reads them back.
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument where the state belongs to another bone.
+  /// @throws std::invalid_argument if the state belongs to another bone.
   void Load(const CarvedState& state);
 
  private:

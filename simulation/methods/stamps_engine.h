@@ -37,7 +37,7 @@ class StampsEngine final : public BallMethod {
   };
   /// The pair of tool ball and bone ball that overlaps most; depth 0 where none overlaps.
   [[nodiscard]] Overlap Deepest(const ToolPoints& at) const;
-  /// True where any pair overlaps by more than kFree_m.
+  /// True if any pair overlaps by more than kFree_m.
   [[nodiscard]] bool Overlaps(const ToolPoints& at) const;
 };
 

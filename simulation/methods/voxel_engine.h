@@ -40,7 +40,7 @@ class VoxelEngine final : public VoxelMethod {
     std::size_t tool_ball{0};    ///< the ball that was stopped
     Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
-  /// True where a solid voxel's centre lies in a tool ball.
+  /// True if a solid voxel's centre lies in a tool ball.
   [[nodiscard]] bool IsBlocked(const ToolPoints& at) const;
   /// Moves the tool from `from` towards `to` until it is blocked.
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;

@@ -26,7 +26,7 @@ inline constexpr Band kSlowRipple{5.0, 40.0}, kFastRipple{40.0, 500.0};
 struct Ripple {
   double mean_N{0.0};
   double slow_N{0.0}, fast_N{0.0};  ///< rms in kSlowRipple and kFastRipple
-  /// Rms of both bands together, divided by the mean; 0 where the mean is 0.
+  /// Rms of both bands together, divided by the mean; 0 if the mean is 0.
   [[nodiscard]] double relative() const;
 };
 /// Measures the ripple of a force. @param magnitude_N  magnitude of the force, sample by sample

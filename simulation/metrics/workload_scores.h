@@ -25,7 +25,7 @@ struct WorkloadScores {
 /// @param before, after  the method's bone before the cut and at the end
 /// @param run  a complete run
 /// @param surface_cells  see AccuracyParams
-/// @throws std::invalid_argument where the run is not complete.
+/// @throws std::invalid_argument if the run is not complete.
 [[nodiscard]] WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run,
                                            const CarvedShape& before, const CarvedShape& after,
                                            std::size_t surface_cells = 20'000);

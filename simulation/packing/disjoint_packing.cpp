@@ -161,7 +161,7 @@ class Packer {
     });
   }
 
-  /// True where the hole's ball overlaps no placed ball.
+  /// True if the hole's ball overlaps no placed ball.
   [[nodiscard]] bool IsFree(const Ball& hole) const {
     return balls_.Clearance(hole.center_m, hole.radius_m) >= hole.radius_m - kGuard_m;
   }

@@ -42,7 +42,7 @@ enum class CellsWanted {
 
 /// Divides the solid into cubes that grow with depth below the cut zone: an octree, descended depth first.
 /// The cells and their order do not depend on the number of threads (0: one per core).
-/// @throws std::invalid_argument where there would be more than 100 million cells.
+/// @throws std::invalid_argument if there would be more than 100 million cells.
 [[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone,
                                              const GradeParams& params, CellsWanted wanted, int threads = 0);
 

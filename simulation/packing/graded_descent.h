@@ -19,7 +19,7 @@ namespace osteon::simulation {
 /// skipped. It appends the leaf's items to `items`; the leaf's signed distance is not computed yet. Each part
 /// of the tree has its own `items`, empty at the start. The parts do not depend on the number of threads, so
 /// the items and their order do not either.
-/// @throws std::invalid_argument where there would be more than `max_items` items.
+/// @throws std::invalid_argument if there would be more than `max_items` items.
 template <typename Item, typename AddLeaf>
 [[nodiscard]] std::vector<Item> DescendGraded(const Solid& solid, const CutZone& zone,
                                               const GradeParams& params, CellsWanted wanted, int threads,

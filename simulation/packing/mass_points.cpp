@@ -137,7 +137,7 @@ class Builder {
     }
   }
 
-  /// True where this sample of the cell lies in the solid.
+  /// True if this sample of the cell lies in the solid.
   [[nodiscard]] bool Inside(std::uint32_t cell, int sample) const {
     return crossed_[cell] == kNone || inside_[static_cast<std::size_t>(crossed_[cell]) * samples_ + sample];
   }

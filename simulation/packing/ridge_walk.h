@@ -18,7 +18,7 @@ struct RidgeWalk {
   double clearance_m{0.0};  ///< clearance at the step's end, to first order
 };
 
-/// Computes the step δ with |δ| <= max_m that leads to the largest clearance, i.e. the largest t with t <=
+/// Computes the step δ with |δ| <= max_m that leads to the largest clearance. This is the largest t with t <=
 /// value + gradient·δ for every bound.
 ///
 /// The walk leads straight away from the nearest obstacle until a second obstacle is as near. Then it follows

@@ -19,7 +19,7 @@ struct OrientedPoint {
 /// Points of a solid's surface about `spacing_m` apart: for each cell of a grid that the surface may cross,
 /// the surface's point nearest to the cell's centre. The result depends on the arguments alone, for any
 /// number of threads.
-/// @throws std::invalid_argument where the spacing is outside 0.05 … 20 mm, or less than 1/2000 of the
+/// @throws std::invalid_argument if the spacing is outside 0.05 … 20 mm, or less than 1/2000 of the
 ///   solid's box.
 [[nodiscard]] std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m);
 

@@ -63,7 +63,7 @@ class Search {
   ///
   /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): if a ball reaches beyond the surface, it
   /// is replaced by the smaller one that is tangent at the foot and passes through the surface point nearest
-  /// to the centre. No larger tangent ball is empty, i.e. within the solid. From a guess below the cap (a
+  /// to the centre. No larger tangent ball is empty (within the solid). From a guess below the cap (a
   /// neighbour's radius), the ball first grows until it is not empty.
   [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
                                             double slack_m2) const {

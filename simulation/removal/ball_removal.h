@@ -56,7 +56,7 @@ class BallRemoval {
   /// Converts a ball's index in the list to its index in a state that Save writes; nothing for a child in a
   /// free block.
   [[nodiscard]] std::optional<std::uint32_t> SavedIndex(std::uint32_t ball) const;
-  /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
+  /// @throws std::invalid_argument if the state belongs to another packing or other parameters.
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 
  private:

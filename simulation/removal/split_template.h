@@ -27,8 +27,8 @@ struct SplitChild {
 ///              ------                                                 \    o    /     covers this one
 ///
 /// Large overlapping children lose the least bone in a cut. At the rim, where a cut meets the bone's surface,
-/// only small children fill the edge. The shape of a ball, i.e. its entry in the table, depends on the uncut
-/// packing only, so a ball is always split in the same way. Values are rounded to floats and radii are
+/// only small children fill the edge. The shape of a ball (its set of children in the table) depends on the
+/// uncut packing only, so a ball is always split in the same way. Values are rounded to floats and radii are
 /// reduced by a millionth, so that children stay inside their parents in single precision, too.
 class SplitTemplate {
  public:

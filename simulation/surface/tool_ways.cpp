@@ -68,7 +68,7 @@ bool ToolWays::Add(const ToolFrame& frame) {
     X_GP_ = X_GP;
     return !capsules_.empty();
   }
-  // The pose after the slide: the frame's new rotation, and T's origin before the bone gave way.
+  // The pose after the slide: the frame's new rotation, and T's origin before the bone yielded.
   Pose slid = X_GP;
   const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
   if (p_GS.allFinite()) slid.translation() = p_GS;

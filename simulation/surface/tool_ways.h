@@ -15,7 +15,7 @@ namespace osteon::surface {
 /// The tool's path in one frame, in W. It is plain data, so that it can pass through a ring between threads.
 struct ToolFrame {
   PlainPose X_WP;                 ///< the proxy's pose at the frame's end
-  PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone gave way
+  PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone yielded
   bool cuts{false};               ///< the spindle turned
   std::uint64_t frame{0};         ///< number of the frame; 0: no path
   bool touches{false};            ///< the tool touched or cut bone

@@ -62,7 +62,8 @@ std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
   return touched;
 }
 
-// The target's tissue, as balls: one around each of its mass points, as large as the point's cell.
+// The target's tissue, as balls: one around each of its mass points, large enough to cover the point's
+// volume.
 std::vector<simulation::Ball> TargetPoints(const AssessedSession& session) {
   std::vector<simulation::Ball> balls;
   for (const simulation::MassPoint& point : session.bone.points)
@@ -127,7 +128,8 @@ report::Image DeviationImage(const AssessedSession& session) {
     for (int column = 0; column < kMapCells; ++column) {
       const double x = (column + 0.5 - half) / half, y = (half - row - 0.5) / half, r2 = x * x + y * y;
       if (r2 > 1.0) continue;
-      // Lambert's equal-area map: the direction's height grows with the square of its radius on the map.
+      // Lambert's equal-area map: the component of the direction along -a is 1 - r², r being the radius on
+      // the map.
       const double across = std::sqrt(std::max(0.0, r2 * (2.0 - r2))), r = std::sqrt(r2);
       const Vector3 aside = r > 0.0 ? Vector3((x * right + y * up) / r) : Vector3::Zero();
       directions.push_back(across * aside - (1.0 - r2) * a);

@@ -137,7 +137,7 @@ class SessionSums {
     const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
   }
-  // Names the counted passes whose removed volume does not agree with the recordings: a recording may be
+  // Names the counted passes whose recordings contain less than the removed volume: a recording may be
   // truncated, missing, or belong to another session.
   [[nodiscard]] std::string Missing() const {
     constexpr double kShare = 0.01, kLittle_mm3 = 1.0;  // accepted difference: 1 % and 1 mm³
@@ -203,7 +203,7 @@ class SessionSums {
   double spindle_rad_per_s_{0.0};  // spindle speed in the last tick
 };
 
-// The first recording that has begun.
+// The first recording that has begun; if none has, the recording of the first segment.
 std::string FirstRecording(const AssessedSession& session) {
   const std::vector<std::string> begun = session::BegunRecordings(session.file, session.folder);
   return begun.empty() ? session.file.segments.front().recording : begun.front();

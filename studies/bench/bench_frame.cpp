@@ -205,7 +205,7 @@ int PhaseCount(const std::vector<std::string>& methods, std::size_t workloads, s
   return static_cast<int>(workloads * (1 + (shared ? 1 : 0) + own + rounds + passes));
 }
 
-// Runs the subcommand, except that it throws where an option is not accepted.
+// Runs the subcommand, except that it throws if an option is not accepted.
 int Run(const BenchFrameOptions& options) {
   if (const std::string wrong = CompareError(options); !wrong.empty())
     return session::Fail("bench frame", wrong);

@@ -312,7 +312,7 @@ nlohmann::json Json(const std::vector<Pairing>& pairings) {
   return json;
 }
 
-// Runs the subcommand, except that it throws where the input is bad.
+// Runs the subcommand, except that it throws if the input is bad.
 int Run(const BenchKinematicsOptions& options) {
   const std::filesystem::path file =
       options.robot.empty() ? options.config_root / "robots" / "lbr_iiwa_14_r820.yaml" : options.robot;

@@ -91,7 +91,7 @@ int RunLevels(const BenchTickOptions& options) {
                               {"machine", machine}});
 }
 
-// Runs the subcommand, except that it throws where it fails.
+// Runs the subcommand, except that it throws if it fails.
 int Run(const BenchTickOptions& options) {
   base::InstallInterrupt();
   if (options.compliance || !options.plan.empty()) return RunLevels(options);

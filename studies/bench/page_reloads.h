@@ -48,7 +48,7 @@ struct ProcessHolds {
 
 /// The effect of many reloads on the process that serves the page.
 struct ReloadFigures {
-  int loaded{0}, killed{0};  ///< numbers of pages that were loaded, and of those of them that were killed
+  int loaded{0}, killed{0};           ///< number of loaded pages, and of killed pages among them
   std::vector<std::string> failed{};  ///< for each page that was not loaded, the reason
   /// The process's resources while no page is open. `before`: before the first page. `warm`: after a tenth of
   /// the pages; the last of these received the whole bone, because the surface is only computed when a page

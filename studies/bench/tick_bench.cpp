@@ -41,7 +41,7 @@ constexpr double kPlaneTilt_rad = .6;  // angle between the planes' normals and 
 // Height of the planes above the place where the tool would meet the cup.
 constexpr double kEarly_m = 0.01;
 constexpr double kPresses_N = 1.0;         // coupling force from which a tick counts
-constexpr std::size_t kBaselineEvery = 8;  // the kernel alone is timed in one of this many ticks
+constexpr std::size_t kBaselineEvery = 8;  // the kernel alone is timed once in this many ticks
 constexpr double kScriptShare = 4.0;       // length of the script, divided by the duration of the timed ticks
 
 // The force sensor and the drive in memory, with both sides of each connection.
