@@ -63,7 +63,7 @@ struct MeshBvh::Impl {
   TriangleMesh mesh;
   TriangleTree tree;
   std::once_flag once;
-  /// made by the first search for crossings; most meshes need no such search
+  /// Made by the first search for crossings; most meshes need no such search
   std::optional<EmbreeScene> scene;
 
   explicit Impl(const TriangleMesh& from) : mesh(from), tree(mesh) {}

@@ -23,7 +23,7 @@ struct PolygonMesh {
     std::size_t place{0};  ///< the polygon's line or byte in the file
   };
   std::vector<std::array<float, 3>> vertices;
-  /// indices into `vertices`: the first polygon's corners, then the second one's, …
+  /// Indices into `vertices`: the first polygon's corners, then the second one's, …
   std::vector<std::uint32_t> corners;
   std::vector<Polygon> polygons;
 };

@@ -79,9 +79,9 @@ struct MeshRemake {
 /// Changes that loading made to the file's triangles.
 struct MeshReport {
   std::size_t dropped_triangles{0};  ///< triangles with two corners in one place
-  /// copies of triangles that were dropped: same part, same three corners
+  /// Copies of triangles that were dropped: same part, same three corners
   std::size_t duplicate_triangles{0};
-  /// vertices welded because they lay within the tolerance on the two sides of a slit
+  /// Vertices welded because they lay within the tolerance on the two sides of a slit
   std::size_t welded_vertices{0};
   bool flipped{false};               ///< the whole mesh was inside out, and was turned over
   std::vector<MeshShell> shells;     ///< in the order of their first triangles

@@ -41,9 +41,7 @@ Feature NearestOnTriangle(const Vector3& p, const Vector3& a, const Vector3& b, 
     return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), TriangleFeature::kEdge1};
   const double sum = va + vb + vc;
   if (!(sum > 0.0))
-    return {
-        a,
-        TriangleFeature::kCorner0};  // a triangle without area: a neighbour that shares its edge is as near
+    return {a, TriangleFeature::kCorner0};  // no area: a neighbour with a common edge is as near
   return {a + vb / sum * ab + vc / sum * ac, TriangleFeature::kFace};
 }
 

@@ -30,7 +30,7 @@ class TriangleTree {
   };
   using Four = std::array<float, 4>;
   struct alignas(16) Node {
-    /// corners of the children's boxes, [axis][child], relative to middle_m_ [m]
+    /// Corners of the children's boxes, [axis][child], relative to middle_m_ [m]
     std::array<Four, 3> low, high;
     std::array<std::int32_t, 4> child;  ///< index of a node; ~i: leaf i; or kNoChild
   };
@@ -52,7 +52,7 @@ class TriangleTree {
 
   Vector3 middle_m_{Vector3::Zero()};
   double extent_m_{0.0};  ///< largest coordinate of a vertex relative to middle_m_
-  /// number that no other tree of this process has, not even a later tree at the same address
+  /// Number that no other tree of this process has, not even a later tree at the same address
   std::uint64_t id_;
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;  ///< the root is the first

@@ -40,7 +40,7 @@ class WindingNumber {
     Matrix3 moments_m3{Matrix3::Zero()};
     double radius_m{0.0};            ///< largest distance of a vertex from center_m
     std::uint32_t first{0}, end{0};  ///< range in triangles_
-    /// index of the group's second half; the first half follows this group; 0: not divided
+    /// Index of the group's second half; the first half follows this group; 0: not divided
     std::uint32_t second_half{0};
   };
 

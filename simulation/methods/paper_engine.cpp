@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-/// distance before the contact at which the proxy of the printed method stops
+/// Distance before the contact at which the proxy of the printed method stops
 constexpr double kStandOff_m = 1e-6;
 
 // Pose with the given origin and a rotation between those of two poses, at the fraction `share` of the turn.

@@ -129,9 +129,8 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   frame.X_GP.translation() = proxy.back();
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
-  const Vector3 proxy_offset =
-      proxy[first.tool_ball] -
-      goal[first.tool_ball];  // also contains the effect of the turn that the proxy has not made
+  // the offset also contains the effect of the turn that the proxy has not made
+  const Vector3 proxy_offset = proxy[first.tool_ball] - goal[first.tool_ball];
   if (first.blocked && proxy_offset.norm() > 0.0) {
     frame.touches = true;
     frame.touch_cuts = tool_.balls[first.tool_ball].cutting;

@@ -21,9 +21,8 @@ std::uint64_t BallGrid::Key(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 std::size_t BallGrid::Slot(const Octave& octave, std::uint64_t key) {
   const std::size_t mask = octave.keys.size() - 1;
-  std::uint64_t bits =
-      // Fibonacci hashing: the high bits of the product depend on all bits of the key
-      key * 0x9e3779b97f4a7c15ULL;
+  // Fibonacci hashing: the high bits of the product depend on all bits of the key
+  std::uint64_t bits = key * 0x9e3779b97f4a7c15ULL;
   std::size_t slot = static_cast<std::size_t>(bits >> 24) & mask;
   while (octave.keys[slot] != key && octave.keys[slot] != kNoKey) slot = (slot + 1) & mask;
   return slot;

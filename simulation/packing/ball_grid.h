@@ -37,7 +37,7 @@ class BallGrid {
   struct Octave {
     int exponent{0};
     double cell_m{0.0};
-    /// key of the cell in each slot, kNoKey: free; the size is a power of two
+    /// Key of the cell in each slot, kNoKey: free; the size is a power of two
     std::vector<std::uint64_t> keys;
     std::vector<std::uint32_t> heads;  ///< last inserted ball of the cell in each slot
     std::size_t cells{0};

@@ -87,7 +87,7 @@ class CellLookup {
 
   struct Level {
     double side_m{0.0};
-    /// lowest and highest indices of stored bricks
+    /// Lowest and highest indices of stored bricks
     std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};
     std::vector<std::uint32_t> bricks;  ///< for each brick (BrickAt): its index in `cells`; kNone: no cell
     /// For each stored brick, the indices of its cells in the order of InBrick; kNone: no cell.

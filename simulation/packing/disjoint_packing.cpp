@@ -216,7 +216,7 @@ class Packer {
   double dropped_m_{0.0};  ///< holes of up to this radius may have been dropped
   double limit_m_;         ///< largest radius of the class that was filled last
 
-  /// for each cube of SearchEverywhere: whether it may have a hole of searched_m_
+  /// For each cube of SearchEverywhere: whether it may have a hole of searched_m_
   std::vector<char> has_holes_;
   double searched_m_{0.0};
 };

@@ -27,9 +27,10 @@ struct DisjointParams {
 ///
 /// 1. Prototypes climb from the solid's thick places to local maxima of the clearance: the distance to the
 ///    surface or to the nearest ball (clearance_climb.h). The maxima are stored as holes, sorted by radius.
-/// 2. Among the holes whose radii lie within 5 % of the largest, those still free are filled, larger before
-///    smaller. Prototypes climb beside each new ball (hole_search.h), and from holes that it cuts. This
-///    repeats until there are enough balls or no holes.
+/// 2. Of the holes whose radii lie within 5 % of the largest, those that are still free are filled, larger
+///    before smaller; holes whose radius is limited by the cap are filled from below. Prototypes then climb
+///    beside each new ball (hole_search.h), and from the holes that a new ball overlaps. This repeats until
+///    there are enough balls or no holes.
 /// 3. Once no hole is left, the whole solid is searched for holes that the climbs missed. A packing that ends
 ///    with fewer than `count` balls therefore has no room for a ball of 1.02 times min_radius_m.
 ///

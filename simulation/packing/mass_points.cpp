@@ -441,7 +441,7 @@ class Builder {
     int first_slab_{0}, slabs_{0};
     std::vector<Near> near_, by_slab_;
     std::vector<int> begins_, ends_;
-    /// for each slab: 1 if the sites of the slab and its neighbours have different materials
+    /// For each slab: 1 if the sites of the slab and its neighbours have different materials
     std::vector<char> mixed_;
   };
 

@@ -16,7 +16,7 @@ struct Demand {
   double lattice_volume_m3{0.0};  ///< volume deeper than the cap; divided by 8 for each coarser level
 };
 
-/// factor^level, where `level` is the number of entries of `from_m` that are at most `depth_m`.
+/// Returns factor^level, where `level` is the number of entries of `from_m` that are at most `depth_m`.
 double CoarserBy(const std::vector<double>& from_m, double depth_m, double factor) {
   const auto level = std::upper_bound(from_m.begin(), from_m.end(), depth_m) - from_m.begin();
   return std::pow(factor, static_cast<double>(level));

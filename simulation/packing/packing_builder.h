@@ -20,7 +20,7 @@ struct PackingParams {
   GradeParams lattice{.finest_m = 1.5e-3, .coarser_from_m = {6.5e-3, 12e-3}};
   double cup_radius_cap_m{3.0e-3};  ///< largest radius of balls that reach up to cup_depth_m below the cup
   double cup_depth_m{4.0e-3};       ///< depth below the cup down to which cup_radius_cap_m applies
-  /// largest radius of all other balls, over the spacing; from 0.56 on, a lattice has no holes
+  /// Largest radius of all other balls, over the spacing; from 0.56 on, a lattice has no holes
   double radius_over_spacing{1.2};
   /// Growth of the cap with the depth of a ball's centre below the cut zone, 0 … 1. If it has a value, the
   /// cap is cup_radius_cap_m + radius_growth × depth; cup_depth_m and radius_over_spacing are not used.
@@ -65,9 +65,10 @@ struct OverlapOptions {
 
 /// Fills a solid with overlapping balls, none of which leaves it.
 ///
-/// 1. Lattice: a ball at each point of a body-centred lattice, radius = min(cap, distance to the surface).
-///    The spacing doubles with depth below the cup. Balls that a reamer can reach are limited in radius,
-///    because a cut removes more of a larger ball.
+/// 1. Lattice: a ball at each point of a body-centred lattice that is at least 0.9 times the cap from the
+///    surface, radius = min(cap, distance to the surface). The spacing doubles at the depths that
+///    PackingParams::lattice gives. Balls that a reamer can reach are limited in radius, because a cut
+///    removes more of a larger ball.
 /// 2. Surface: a lattice leaves scallops at the surface. Each sample of the surface has the largest ball that
 ///    touches the surface there from inside. These balls are added one by one, each at the sample with the
 ///    largest gap relative to its tolerance (CoverSurface), until no gap is above its tolerance or the wanted

@@ -32,7 +32,7 @@ struct PackingQuality {
   std::vector<RadiusBin> radius_histogram;
 
   double coverage{0.0};  ///< share of the solid's volume that lies in some ball
-  /// computed as for independent samples; the true error of these stratified samples is smaller
+  /// Computed as for independent samples; the true error of these stratified samples is smaller
   double coverage_standard_error{0.0};
   std::size_t volume_samples{0};  ///< number of samples inside the solid
   double solid_volume_m3{0.0};    ///< volume of the solid, by these samples

@@ -174,7 +174,7 @@ class LineReader {
   }
 
   std::string_view text_;
-  /// first bytes of the next line, of the last line that was read, and of its value
+  /// First bytes of the next line, of the last line that was read, and of its value
   std::size_t at_{0}, line_{0}, value_{0};
   std::optional<TextError> error_;
 };

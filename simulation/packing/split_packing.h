@@ -13,7 +13,7 @@ namespace osteon::simulation {
 /// It is meant for tools whose radius is not much larger than that of the balls.
 struct SplitPackingParams {
   double spacing_m{2.5e-3};  ///< spacing of the body-centred lattice in the cut zone
-  /// radius of its balls over the spacing; from 0.56 on, the lattice has no holes
+  /// Radius of its balls over the spacing; from 0.56 on, the lattice has no holes
   double radius_over_spacing{0.9};
   /// Depth below the zone down to which the packing is as fine as in it. A zone that is a surface (a cup, a
   /// face) needs the depth that will be cut below it; a zone that holds the whole cut (a path) needs none.

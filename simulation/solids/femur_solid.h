@@ -12,11 +12,11 @@ struct FemurShape {
   double shaft_radius_m{0.0138};  ///< mean of the two outer half axes of the oval
   double top_radius_m{0.0225};    ///< the same mean at the saw cut
   double oval_ratio{1.12};        ///< half axis along x (inwards) / half axis along y
-  /// displacement of the outline's centre from the canal's axis at the saw cut, along +x
+  /// Displacement of the outline's centre from the canal's axis at the saw cut, along +x
   double medial_shift_m{0.006};
   double shaft_wall_m{0.0055};  ///< thickness of the cortical wall along the axes of the oval
   double top_wall_m{0.0020};    ///< thickness of the cortical wall at the saw cut
-  /// smallest thickness of the cancellous bone between wall and marrow (along y)
+  /// Smallest thickness of the cancellous bone between wall and marrow (along y)
   double shaft_lining_m{0.0018};
   double top_marrow_radius_m{0.004};  ///< radius of the marrow at the saw cut; cancellous bone surrounds it
 };

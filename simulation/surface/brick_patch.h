@@ -11,7 +11,7 @@ namespace osteon::surface {
 /// 7, and one more on each side for central differences.
 inline constexpr int kPatchEdge = 12;
 inline constexpr int kPatchNodes = kPatchEdge * kPatchEdge * kPatchEdge;
-/// steps of the index along y and z
+/// Steps of the index along y and z
 inline constexpr int kRow = kPatchEdge, kLayer = kPatchEdge * kPatchEdge;
 
 /// The nodes in and around a brick, copied from the brick and its 26 neighbours.

@@ -18,7 +18,7 @@ inline constexpr std::uint8_t kNotCut = 0xff;
 
 /// The patches of a cell with a given set of inside corners.
 struct CellCase {
-  /// number of the patch of each edge; kNotCut: the edge is not cut
+  /// Number of the patch of each edge; kNotCut: the edge is not cut
   std::array<std::uint8_t, kCellEdges> patch{};
   std::uint8_t patches{0};  ///< number of patches
   /// Bit f is set if face f has four cut edges that all belong to one patch. If this is also so in the cell

@@ -23,7 +23,7 @@ class IdleShare {
   static constexpr rt::Nanoseconds kTryTime = 15 * rt::kMillisecond;
   /// A stretch of work or a try with less wall time than this does not show whether the thread was suspended.
   static constexpr rt::Nanoseconds kMinTold = 20 * rt::kMillisecond;
-  /// a thread that had a CPU for at least 1/5 of the wall time was not suspended
+  /// A thread that had a CPU for at least 1/5 of the wall time was not suspended
   static constexpr int kMinShare = 5;
 
   /// Returns what the thread is to do next, at the time `now`.

@@ -27,7 +27,7 @@ struct SurfaceThreadParams {
   /// Number of frames in the ring: 8 s at 500 frames/s. The start with a large mesh takes as long, and
   /// nothing is carved meanwhile.
   std::size_t ring_frames{4096};
-  /// time between two polls of the ring; chunks are published no faster
+  /// Time between two polls of the ring; chunks are published no faster
   std::chrono::milliseconds period{33};
   /// Makes the solid's field. Called on the thread; takes seconds for a mesh.
   std::function<std::shared_ptr<const SolidField>()> make_solid{};

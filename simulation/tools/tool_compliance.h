@@ -22,7 +22,7 @@ struct BeamPiece {
   double from_m{0.0}, to_m{0.0};  ///< distances of its ends from the apex
   double from_radius_m{0.0}, to_radius_m{0.0};
   bool rigid{false};  ///< true: a piece of the head, whose own bending is neglected
-  /// second moment of area over the full circle's; used for bending and torsion
+  /// Second moment of area over the full circle's; used for bending and torsion
   double second_moment_ratio{1.0};
   double area_ratio{1.0};  ///< area over the full circle's
 };
@@ -50,7 +50,7 @@ struct ToolCompliance {
   double free_length_m{0.0};    ///< from the apex to the clamp
   double lateral_N_per_m{0.0};  ///< stiffness against a lateral force at load_point_m
   double buckling_N{0.0};       ///< axial thrust at which the free length buckles
-  /// first frequency of lateral vibration: sqrt(k / (m_head + 0.236 m_shaft)) / 2 pi
+  /// First frequency of lateral vibration: sqrt(k / (m_head + 0.236 m_shaft)) / 2 pi
   double first_mode_hz{0.0};
 };
 

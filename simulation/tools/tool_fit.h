@@ -26,7 +26,7 @@ struct ToolFitParams {
 /// Result of FitTool.
 struct ToolFit {
   std::vector<ToolBall> balls;  ///< cutting balls first, then touching balls; each kind from the apex back
-  /// largest ratio of a gap to its accepted gap; above 1: the balls did not suffice
+  /// Largest ratio of a gap to its accepted gap; above 1: the balls did not suffice
   double worst_ratio{0.0};
 };
 

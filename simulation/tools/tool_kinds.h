@@ -34,7 +34,7 @@ struct BallParams {
 struct BuiltTool {
   Tool tool;
   double length_m{0.0};  ///< from the apex to the holder's back
-  /// outline to which the balls are fitted; null: the balls are the exact shape
+  /// Outline to which the balls are fitted; null: the balls are the exact shape
   std::shared_ptr<const ToolProfile> profile{};
   /// The pieces that bend between apex and holder (CantileverCompliance); empty for a mesh, whose pieces are
   /// not known.
@@ -51,7 +51,7 @@ struct ReamerParams {
   double shell_m{0.002};
   double shaft_radius_m{0.008};
   double shaft_length_m{0.130};  ///< from the dome's base plane to the holder
-  /// length of the shaft's part that has balls, starting one diameter behind the apex
+  /// Length of the shaft's part that has balls, starting one diameter behind the apex
   double touching_length_m{0.120};
   double density_kg_per_m3{7900.0};
   HolderParams holder{};

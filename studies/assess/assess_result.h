@@ -21,9 +21,9 @@ struct AssessOptions {
   std::filesystem::path rubric;     ///< file of the rubric; empty: the shipped one for the plan's kind
   std::filesystem::path rubrics{};  ///< folder of the shipped ones
   std::optional<double> pass_at{};  ///< lowest score that passes; below it, the exit code is 1
-  /// sessions of a site's own experts; they must be guided if and only if this session is
+  /// Sessions of a site's own experts; they must be guided if and only if this session is
   std::vector<std::filesystem::path> norms{};
-  /// assessed sessions for the trend, in addition to those that are found
+  /// Assessed sessions for the trend, in addition to those that are found
   std::vector<std::filesystem::path> trend{};
   std::filesystem::path against{};  ///< session of the same plan to compare with; empty: none
   std::filesystem::path json{};     ///< file for a copy of the result; empty: none

@@ -48,7 +48,7 @@ struct AssessedSession {
   session::SessionFile file{};
   config::SurgicalPlanConfig plan{};
   simulation::Bone bone{};  ///< the uncut bone
-  /// solid from which the bone was packed; null: not known
+  /// Solid from which the bone was packed; null: not known
   std::shared_ptr<const simulation::Solid> solid{};
   /// The cut by the passes that count. It has a value after the session is read.
   std::optional<session::SessionCut> cut{};

@@ -9,7 +9,7 @@ namespace osteon::studies {
 struct BenchKinematicsOptions {
   std::filesystem::path config_root;
   std::filesystem::path robot{};  ///< a file of config/robots; empty: the LBR iiwa 14
-  /// number of calls of each function; KDL's numerical inverse gets a hundredth of it
+  /// Number of calls of each function; KDL's numerical inverse gets a hundredth of it
   std::size_t calls{100'000};
   std::filesystem::path json{};
 };

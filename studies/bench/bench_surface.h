@@ -11,7 +11,7 @@ namespace osteon::studies {
 struct BenchSurfaceOptions {
   std::filesystem::path config_root;
   std::vector<std::string> cells{"demo", "molar"};  ///< names under cells/
-  /// voxel sizes; empty: 2, 1 and 0.5 times the size for the tool (VoxelFor)
+  /// Voxel sizes; empty: 2, 1 and 0.5 times the size for the tool (VoxelFor)
   std::vector<double> voxels_mm{};
   std::size_t frames{1600};  ///< of the cut; 16 frames are a step
   std::filesystem::path json{};

@@ -19,7 +19,7 @@ namespace osteon::studies {
 
 /// The inputs of a tick of the loop that the timed parts need.
 struct TickPartsInput {
-  /// commanded joint positions before the tick [rad]
+  /// Commanded joint positions before the tick [rad]
   kinematics::JointVector q{kinematics::JointVector::Zero()};
   Pose X_WT{Pose::Identity()};  ///< the tool's pose at q
   Twist V_WT;                   ///< twist of the tool in this tick
