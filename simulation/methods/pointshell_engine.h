@@ -17,7 +17,7 @@ namespace osteon::simulation {
 /// Depths end at kLayers layers, and are updated around deleted voxels. The force f on a tool point p in such
 /// a voxel refers to the tangent plane through the voxel's centre c:
 ///
-///     d = n·(c - p) + (L - 1) h,   f = k_p d n   if d > 0;   n: the point's inward normal; h: the voxel's edge
+///     d = n·(c - p) + (L - 1) h,  f = k_p d n   if d > 0;  n: inward normal of the point; h: edge of a voxel
 ///
 /// If N > kFullPoints points touch, the sum of their forces is divided by N / kFullPoints (section 5.3 of the
 /// first paper). Coupling: the proxy is where the coupling's force K (tool - proxy), at most the force limit,

@@ -24,8 +24,8 @@ inline constexpr double kMassPointSeparation = 0.84;
 ///
 /// 1. Points: a Poisson-disk set, drawn over all cells that may hold a part of the solid and then clipped to
 ///    it. (If they were drawn within the solid, points would crowd along its surface, and the sum over a thin
-///    shell would show it.) No two points are nearer than one separation. Points are added where a part of the
-///    solid is then farther than 1.5 separations from every point, as in thin plates and edges.
+///    shell would show it.) No two points are nearer than one separation. Points are added where a part of
+///    the solid is then farther than 1.5 separations from every point, as in thin plates and edges.
 /// 2. Volumes: the volume of each sample is added to the nearest point of its material within the same slab.
 ///    A slab is a layer of depths, a fifth of a cell thick. The depth is counted from the cut zone in the
 ///    finest cells close to the zone, and from the surface elsewhere (everywhere if the zone is everywhere).
