@@ -5,11 +5,11 @@
 
 namespace osteon::simulation {
 
-/// How much of an arm is modelled. Each level adds to the one before.
+/// How much of an arm the simulation models. Each level adds effects to the level before it.
 enum class ArmFidelity : std::uint8_t {
-  kKinematic,  ///< the arm is where it was told to be
-  kServo,      ///< lag and dead time; nothing deflects the arm
-  kDynamic,    ///< masses, friction, torque limits, impedance, a mounting that gives way
+  kKinematic,  ///< the arm is always at its commanded position
+  kServo,      ///< also the lag and dead time of the position servo; no force deflects the arm
+  kDynamic,    ///< also masses, friction, torque limits, impedance control, a compliant mounting
 };
 
 /// "kinematic", "servo", "dynamic": the values of a cell's simulated_arm: level.
@@ -25,7 +25,7 @@ enum class ArmFidelity : std::uint8_t {
   return "unknown";
 }
 
-/// Figures that bound the arm's true position.
+/// Properties of an arm and its load. ArmError computes from them how far a model of the arm is off.
 struct ArmFigures {
   double bandwidth_hz{15.0}, damping_ratio{1.0};  ///< of its position servo
   double dead_time_s{0.003};
@@ -34,13 +34,15 @@ struct ArmFigures {
   double force_N{100.0};          ///< contact force on the arm
 };
 
-/// Distance between the tool's position at a level and the real one [m]:
+/// Distance between the tool's position in a model of this level and on the real arm [m]:
 ///
 ///     kinematic    v (dead time + 2 z / w) + F / K
 ///     servo        F / K
-///     dynamic      nothing
+///     dynamic      0
 ///
-/// w = 2 π bandwidth. The terms are a servo's steady lag behind a ramp, and the mounting's deflection.
+/// v is the feed, z the damping ratio, w = 2 π bandwidth, F the contact force, and K the mounting's
+/// stiffness. The first term is the servo's steady lag behind a ramp, the second one the mounting's
+/// deflection.
 [[nodiscard]] constexpr double ArmError(ArmFidelity level, const ArmFigures& arm) {
   constexpr double kTwoPi = 6.283185307179586;
   const double give_m = arm.stiffness_N_per_m > 0.0 ? arm.force_N / arm.stiffness_N_per_m : 0.0;

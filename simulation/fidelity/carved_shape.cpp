@@ -5,7 +5,7 @@
 namespace osteon::simulation {
 namespace {
 
-// The balls that are not gone.
+// The balls with a radius above 0: a ball of radius 0 is gone.
 std::vector<Ball> WithRadius(std::span<const Ball> balls) {
   std::vector<Ball> left;
   left.reserve(balls.size());

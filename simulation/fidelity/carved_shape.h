@@ -7,8 +7,8 @@
 
 namespace osteon::simulation {
 
-/// The bone that a method has left, in G, as a probe or the eye meets it from outside. One query for balls,
-/// voxels and distance fields, so that methods can be compared.
+/// The bone that is left after a method has cut it, in G. Balls, voxels and distance fields answer the same
+/// query, so that methods can be compared.
 class CarvedShape {
  public:
   CarvedShape() = default;
@@ -16,12 +16,13 @@ class CarvedShape {
   CarvedShape(const CarvedShape&) = delete;
   CarvedShape& operator=(const CarvedShape&) = delete;
 
-  /// Distance [m] from p to the nearest remaining material: 0 inside, `at_most_m` where it is farther.
-  /// Thread-safe. A probe of radius rho is free at p where Distance(p, rho) >= rho.
+  /// Distance [m] from p to the nearest remaining material: 0 inside, `at_most_m` if the material is farther
+  /// away. Thread-safe. A probe of radius rho touches nothing at p if Distance(p, rho) >= rho.
   [[nodiscard]] virtual double Distance(const Vector3& p_G, double at_most_m) const = 0;
 };
 
-/// The union of balls. Exact; the cost of a query grows about with the logarithm of their number.
+/// The union of balls. Distances are exact. The cost of a query grows about with the logarithm of the number
+/// of balls.
 class BallUnion final : public CarvedShape {
  public:
   /// Copies the balls, without those that have no radius (they are gone). @pre centres are finite.

@@ -5,7 +5,8 @@
 namespace osteon::simulation {
 namespace {
 
-// fitted figures of the header: depth lost over the balls' radius, and share of the bone that balls fill
+// the fitted constants of the header: lost depth divided by the balls' radius, and share of the bone's volume
+// that balls fill
 constexpr double kErrorOverRadius = 0.33;
 constexpr double kSolidFraction = 0.77;
 

@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMinShare = 1e-3;  // share of the largest exact force below which a direction is not used
+constexpr double kMinShare = 1e-3;  // share of the largest exact force; smaller forces have no normal
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 double Angle_deg(const Vector3& a, const Vector3& b) {
@@ -58,7 +58,7 @@ ForceErrors CompareForces(std::span<const FeltForce> measured, std::span<const F
 
   const double per_ms = rate_hz * 1e-3;
   for (std::size_t k = 0; k + 1 < count; ++k) {
-    // change of the error from this frame to the next, for a millisecond
+    // change of the error from this frame to the next, per millisecond
     const auto jump = [&](const auto& of) {
       return ((of(measured[k + 1]) - of(measured[k])) - (of(exact[k + 1]) - of(exact[k]))).norm() * per_ms;
     };

@@ -11,7 +11,8 @@
 namespace osteon::simulation {
 namespace {
 
-// A frame counts as interrupted where its threads waited for a processor for more than both of these.
+// A frame counts as interrupted if its threads waited for a processor longer than kMinWait_us and longer than
+// kMinWaitShare of the median frame time.
 constexpr double kMinWait_us = 20.0, kMinWaitShare = 0.05;
 
 }  // namespace
@@ -38,7 +39,8 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
   if (groups.size() < 2)
     throw std::invalid_argument(
         fmt::format("frame cost: found {} groups of frames, accepted two and more", groups.size()));
-  // minimise sum ((t0 + c N)/t - 1)²: sums of the normal equations, with a = 1/t and b = N/t
+  // Minimise the sum of ((t0 + c N)/t - 1)² over the groups, t being a group's median. These are the sums of
+  // the normal equations, with a = 1/t and b = N/t.
   double aa = 0.0, ab = 0.0, bb = 0.0, a1 = 0.0, b1 = 0.0;
   std::vector<double> tails;
   for (const FrameGroup& group : groups) {
@@ -55,11 +57,11 @@ FrameCost FitFrameCost(std::span<const FrameGroup> groups) {
   }
   FrameCost cost;
   const double det = aa * bb - ab * ab;
-  if (det > 1e-12 * aa * bb) {  // else all groups have the same N
+  if (det > 1e-12 * aa * bb) {  // otherwise all groups have the same N
     cost.base_us = (a1 * bb - b1 * ab) / det;
     cost.ball_us = (aa * b1 - ab * a1) / det;
   }
-  // at a bound: fit the other coefficient alone
+  // if a coefficient is not positive, set it to 0 and fit the other one alone
   if (cost.ball_us <= 0.0) cost = {.base_us = a1 / aa, .ball_us = 0.0};
   if (cost.base_us < 0.0) cost = {.base_us = 0.0, .ball_us = b1 / bb};
   cost.tail_ratio = std::max(1.0, base::Median(tails));

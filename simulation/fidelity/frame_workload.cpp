@@ -13,10 +13,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kAbove_m = 1e-3;               // height above first contact at which the hand begins
+constexpr double kAbove_m = 1e-3;               // height above first contact at which the hand starts
 constexpr std::size_t kDisjointCount = 10'000;  // balls, unless another number is asked for
 
-// The paper's packing: greedy, with the same radii near the cut and elsewhere.
+// The disjoint packing of the cutting paper: the largest ball that fits comes first, with the same radii near
+// the cut and elsewhere.
 std::vector<Ball> DisjointBalls(const Solid& solid, const CutZone& zone, std::size_t count) {
   return BuildDisjointPacking(solid, zone, {.count = count > 0 ? count : kDisjointCount});
 }
@@ -74,7 +75,7 @@ FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params) {
   work.hand.force_N = params.force_N;
   work.hand.spindle_rad_per_s = params.spindle_rad_per_s;
   work.hand.dt_s = 1.0 / params.rate_hz;
-  // T points against the cup's axis; the head's centre is on this axis
+  // T points against the cup's axis; the head's centre is on the cup's axis
   Pose X_CT = Pose::Identity();
   X_CT.linear() = Eigen::DiagonalMatrix<double, 3>(1, -1, -1);
   X_CT.translation() = Vector3(0, 0, above_m) - X_CT.linear() * Vector3(head->center_m);

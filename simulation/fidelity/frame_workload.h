@@ -22,8 +22,8 @@ struct FrameWorkloadParams {
   CuttingParams cutting;
   std::size_t spheres{0};  ///< 0: as many as the scene asks for
   CountedGrade grade{CountedGrade::kFixedZone};
-  bool disjoint{false};         ///< the paper's packing instead: disjoint balls, 10 000 where `spheres` is 0
-  std::size_t tool_spheres{1};  ///< of the head; 1: one analytic ball
+  bool disjoint{false};  ///< pack disjoint balls as in the cutting paper; 10 000 balls if `spheres` is 0
+  std::size_t tool_spheres{1};  ///< number of balls of the head; 1: one analytic ball
   ShellPart shell{ShellPart::kHemisphere};
   std::optional<ToolMotion> motion;  ///< a recorded motion instead of the pressing hand
   double rate_hz{1000.0};
@@ -46,24 +46,28 @@ struct FrameWorkload {
   std::size_t cutting_balls{0};  ///< of the tool
 };
 
-/// The generated acetabulum with its default fineness, reamed by a reamer of 50 mm at 100 N and 250 rpm.
+/// Parameters of a workload: the generated acetabulum with its default fineness, cut by a reamer of 50 mm
+/// diameter at 100 N and 250 rpm.
 [[nodiscard]] FrameWorkloadParams CupWorkload();
 
 /// Makes the workload's bone, tool and motion.
 /// @throws std::invalid_argument naming the parameter, its value and what is accepted.
 [[nodiscard]] FrameWorkload MakeFrameWorkload(const FrameWorkloadParams& params);
 
-/// Generates the frames' inputs. A copy continues independently from the state at its making.
+/// Generates the inputs of the frames, one after the other. A copy continues independently from the state in
+/// which it was copied.
 class WorkloadPlayer {
  public:
   /// @param workload  must outlive the player
   explicit WorkloadPlayer(const FrameWorkload& workload);
 
-  /// The next input. @param last  the model of the frame before; a new one before the first
+  /// The input of the next frame.
+  /// @param last  the contact model of the frame before; a default-constructed one before the first frame
   [[nodiscard]] FrameInput Next(const ContactModel& last);
-  /// True when timing may begin: the head's proxy is seated in the cup, or a played tool has met the bone.
+  /// True if the timing may begin: a pressed head's proxy is seated in the cup, or a tool with a recorded
+  /// motion has touched the bone.
   [[nodiscard]] bool Ready(const ContactModel& last) const;
-  /// True at a motion's end; a pressing hand has no end.
+  /// True after the last frame of a recorded motion. A pressing hand never ends.
   [[nodiscard]] bool AtEnd() const;
 
  private:
@@ -73,8 +77,9 @@ class WorkloadPlayer {
 };
 
 /// Runs frames until the player is ready.
-/// @returns false where a motion's end, 20 000 frames, a refused frame or `stop` came first.
-/// @param stop  called before each frame; may be empty
+/// @returns false if the recorded motion ended first, 20 000 frames were not enough, the engine refused a
+///   frame, or `stop` returned true.
+/// @param stop  called before each frame; true ends the run; may be empty
 [[nodiscard]] bool RunUntilReady(CuttingEngine& engine, WorkloadPlayer& player, ContactModel& last,
                                  const std::function<bool()>& stop = {});
 
@@ -82,7 +87,7 @@ class WorkloadPlayer {
 struct TimeFigures {
   double p50_us{0.0}, p95_us{0.0}, p99_us{0.0}, p999_us{0.0}, max_us{0.0};
 };
-/// Percentiles by nearest rank; zeros where there are no times.
+/// Computes the percentiles by nearest rank; all are 0 if there are no times.
 [[nodiscard]] TimeFigures FiguresOf(std::vector<double> times_us);
 
 /// Runs one frame. @returns the wall time of CuttingEngine::Step [us].

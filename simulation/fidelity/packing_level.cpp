@@ -10,24 +10,26 @@
 namespace osteon::simulation {
 namespace {
 
-// Uniform and graded levels: range of the balls' radius over the spacing (kMaxInto: for cuts that lead into
-// the bone); gap at the surface over the spacing, its growth with depth, and its largest value over the
-// spacing.
+// Constants of uniform and graded levels. Divided by the lattice's spacing: smallest and largest radius of a
+// ball (kMaxInto: the largest one for cuts that lead into the bone), gap at the surface, and largest gap.
+// kGapGrowth is the growth of the gap per depth [m/m].
 constexpr double kMinOverSpacing = 1.2, kMaxOverSpacing = 2.4, kMaxInto = 1.5;
 constexpr double kGap = 0.04 / 1.5, kGapGrowth = 0.08, kMaxGap = 0.5 / 1.5;
-// Split levels, over the spacing: radius of a parent and of a ball at the surface, gap at the surface, depth
-// between two doublings of the spacing, and radius above which a ball is split.
+// Constants of split levels, all divided by the lattice's spacing: radius of a lattice ball, radius of a ball
+// at the surface, gap at the surface, depth between two doublings of the spacing, and smallest radius of a
+// ball that is split.
 constexpr double kSplitRadius = 0.9, kSplitSurface = 1.2 / 2.5, kSplitGap = 0.06, kSplitCoarser = 1.5 / 2.5;
 constexpr double kMinSplit = 0.4 / 2.5;
-// Where the spacing doubles, split balls leave gaps. The doubling must be deeper than the reach of a touched
-// ball.
-constexpr double kSplitFineDepth = 1.5;  // over a ball's radius
-constexpr double kCornerShare = 0.5;     // PackingLevel::corner_m over the spacing
-constexpr int kChildren = 24;            // of a split ball
-constexpr double kHoles = 0.56;  // smallest radius over spacing of a body-centred lattice without holes
+// Split balls leave gaps at the depth at which the spacing doubles. This depth must be greater than any that
+// a touched ball reaches.
+constexpr double kSplitFineDepth = 1.5;  // fine depth below the zone, divided by a ball's radius
+constexpr double kCornerShare = 0.5;     // PackingLevel::corner_m divided by the spacing
+constexpr int kChildren = 24;            // number of children of a split ball
+constexpr double kHoles = 0.56;  // smallest radius / spacing at which a body-centred lattice has no holes
 constexpr double kFinest_m = 0.02e-3, kCoarsest_m = 20e-3;  // spacings that CoarsestLevel searches
-// Range in which the closed forms hold: radius over the tool's radius (kMaxOfReamer: in a cut along the
-// surface), and a split level's spacing over the tool's radius and over the cut's depth.
+// Largest ratios for which the closed forms hold: a ball's radius to the tool's radius (kMaxOfReamer: in a
+// cut along the surface), a split level's spacing to the tool's radius, and a split level's spacing to the
+// cut's depth.
 constexpr double kMaxOfTool = 0.6, kMaxOfReamer = 0.2, kMaxSplitOfTool = 0.75, kMaxSplitOfDepth = 0.85;
 
 // Parameters of the packing of a uniform or graded level.
@@ -125,7 +127,7 @@ std::optional<PackingLevel> CoarsestLevel(PackingKind kind, double error_m, cons
       return IsInValidRange(level, cut) && PredictRemovalError(level.fine, cut).total_m() <= error_m;
     };
     if (!serves(kFinest_m)) continue;
-    // bisect the widest spacing that serves, on a logarithmic scale
+    // find the widest spacing that meets the error, by bisection on a logarithmic scale
     double fine = kFinest_m, coarse = kCoarsest_m;
     for (int round = 0; round < 60; ++round) {
       const double middle = std::sqrt(fine * coarse);
@@ -145,10 +147,10 @@ std::vector<Ball> PackLevel(const PackingLevel& level, const Solid& solid, const
 double ExpectedChildren(const PackingLevel& level, const CutShape& cut) {
   if (level.kind != PackingKind::kSplit) return 0.0;
   const double a = level.fine.spacing_m;
-  // lattice balls within a radius of the cut's face, on both sides; a body-centred lattice has 2/a³ to the
-  // volume
+  // Number of lattice balls with centres within one radius of the cut's face, on both sides, per area of the
+  // face. A body-centred lattice has 2/a³ centres per volume.
   double touched_1_per_m2 = 2.0 * level.fine.radius_m * 2.0 / (a * a * a);
-  if (cut.along_surface)  // all balls of the surface as well
+  if (cut.along_surface)  // a cut along the surface touches all surface balls, too
     touched_1_per_m2 += 0.25 / (level.fine.surface_gap_m * kSplitSurface * a);
   return level.fine.children * touched_1_per_m2 * cut.area_m2;
 }
@@ -169,7 +171,8 @@ DepthVolumes::DepthVolumes(const Solid& solid, const CutZone& zone) {
   for (const simulation::Cell& cell :
        DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}}, CellsWanted::kSolid)) {
     const double distance = cell.signed_distance_m;
-    // within half a cell's diagonal of a surface lie as many centres as this layer has room for
+    // The layer within half a cell's diagonal of the surface holds one centre per cell's volume. The area
+    // follows from the volume of the cells in this layer.
     const bool at_surface = std::abs(distance) <= cell.reach_m();
     if (distance >= 0.0 && !at_surface) continue;
     cells_.push_back({.depth_m = zone.DepthAt(cell.center()),
@@ -188,7 +191,7 @@ double DepthVolumes::volume_m3() const {
 double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
   const PackingParams overlap = OverlapParams(level);
   const SplitPackingParams split = SplitParamsOf(level);
-  double balls = 0.0;  // lattice: 2/a³ to the volume; surface: 0.25/(gap r) to the area (removal_error.cpp)
+  double balls = 0.0;  // lattice: 2/a³ per volume; surface: 0.25/(gap r) per area (SurfaceDensity)
   for (const Cell& cell : cells_) {
     if (level.kind == PackingKind::kSplit) {
       // the spacing doubles at each of two depths; surface balls grow with the depth (split_packing.cpp)
@@ -205,7 +208,7 @@ double DepthVolumes::ExpectedBalls(const PackingLevel& level) const {
     }
     const double depth_m = level.kind == PackingKind::kUniform ? 0.0 : cell.depth_m;
     const double a = overlap.SpacingAt(depth_m), r = overlap.RadiusCapAt(depth_m, a);
-    // nearer to the surface are only balls that touch it
+    // nearer to the surface there are no lattice balls, only balls that touch the surface
     if (cell.inside_m >= 0.9 * r) balls += cell.volume_m3 * 2.0 / (a * a * a);
     balls += cell.area_m2 * 0.25 / (overlap.SurfaceGapAt(depth_m) * r);
   }

@@ -4,12 +4,14 @@
 
 namespace osteon::simulation {
 
-/// A hand that presses a spinning tool along its feed with a given force, as in an admittance law: the tool
-/// moves along that line alone, with mass M and drag D.
+/// A hand that presses a spinning tool along its feed with the force F. As in an admittance law, the tool
+/// moves with mass M and drag D, but only along the line of the feed: v is its speed, a its acceleration, and
+/// f the coupling's force on the tool.
 ///
 ///     M a = F(t) - D v - f·(-feed)      F rises at ramp_N_per_s up to force_N
 ///
-/// Semi-implicit steps: velocity before position, the drag at the step's end; stable for any drag.
+/// Semi-implicit Euler steps: the velocity is updated before the position, and the drag acts on the velocity
+/// at the step's end. They are stable for any drag.
 struct PressingHandParams {
   Pose X_WT{Pose::Identity()};  ///< start pose; the feed is T's +z
   double force_N{100.0};
@@ -23,7 +25,7 @@ struct PressingHandParams {
 /// Computes the motion of the hand that PressingHandParams describes, frame by frame.
 class PressingHand {
  public:
-  /// @throws std::invalid_argument where mass or time step is not positive, or force, ramp or drag negative.
+  /// @throws std::invalid_argument if mass or time step is not positive, or force, ramp or drag is negative.
   explicit PressingHand(const PressingHandParams& params);
 
   /// Computes the next frame's input from the last frame's force.

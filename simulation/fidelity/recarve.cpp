@@ -9,7 +9,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Upper bound of the distance that a tool's points move from one pose to another.
+// Upper bound of the distance that any point of a tool moves from pose a to pose b.
 double WayBetween(const Pose& a, const Pose& b, double lever_m) {
   const double turn = RotationAngle(a.linear().transpose() * b.linear());
   return (b.translation() - a.translation()).norm() + lever_m * turn;
@@ -21,12 +21,12 @@ ProxyTrail::ProxyTrail(double lever_m, double step_m) : lever_m_(lever_m), step_
 
 void ProxyTrail::Reserve(std::size_t places) {
   const std::size_t kept = places_.size();
-  places_.resize(std::max(places, kept));  // writes to the memory
+  places_.resize(std::max(places, kept));  // resizing writes to the memory
   places_.resize(kept);
 }
 
 void ProxyTrail::Add(const Pose& X_GP) {
-  // the last place is replaced until the tool has moved a step away from the one before
+  // the last place is replaced as long as the tool is within step_m_ of the place before the last one
   if (places_.size() >= 2 && WayBetween(places_[places_.size() - 2], X_GP, lever_m_) <= step_m_)
     places_.back() = PlainPose(X_GP);
   else

@@ -6,25 +6,29 @@
 namespace osteon::simulation {
 namespace {
 
-// The k of the header: of the removal error along the surface, into the bone, and with split balls; and of
-// the leak. Fitted to carved packings (tests/simulation/fidelity/removal_error_test.cpp); 1/(2 π) is 0.159.
+// The factor k in the header's formulas: for the removal error of cuts along the surface, of cuts into the
+// bone and of split balls, and for the leak. All are fitted to carved packings
+// (tests/simulation/fidelity/removal_error_test.cpp). The theory for random points gives 1/(2 π) = 0.159.
 constexpr double kAlong = 0.18, kInto = 0.13, kSplit = 0.08, kLeak = 0.16;
-constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // area of the sliver that a rim loses, over r²
-constexpr double kMinOfCap = 0.9;  // over a ball's radius: nearer to the surface are only balls that touch it
-constexpr double kChildRadius = 0.36;  // over the spacing: 0.4 of a ball of 0.9 a
+constexpr double kRimAlong = 0.08, kRimInto = 0.14;  // cross-section of a rim's lost sliver, over r²
+constexpr double kMinOfCap = 0.9;  // depth at which the lattice begins, divided by r; above there are only
+                                   // balls that touch the surface
+constexpr double kChildRadius = 0.36;  // radius of a child over the spacing: 0.4 times its parent's 0.9
 
-/// Centres of balls to the volume, 1/m³, in a body-centred lattice; children count instead of their parent.
+/// Number of balls per volume [1/m³] in a body-centred lattice. If balls are split, their children are
+/// counted instead.
 double CentersPerVolume(const PackingFineness& fine) {
   const double a = fine.spacing_m;
   return 2.0 / (a * a * a) * std::max(1, fine.children);
 }
 
-/// Number of balls per area that touch a surface from inside and keep the gap between them.
+/// Number of balls per area [1/m²] that touch the surface from inside, so that the gaps between them are at
+/// most surface_gap_m.
 double SurfaceDensity(const PackingFineness& fine) { return 0.25 / (fine.surface_gap_m * fine.radius_m); }
 
 /// Points at which balls touch the face of a cut.
 struct Points {
-  double density_1_per_m2, radius_m;  ///< mean radius that balls have left
+  double density_1_per_m2, radius_m;  ///< radius_m: mean radius of the balls after the cut
 };
 
 /// Points that a cut leaves on its face: every ball within reach of the face is cut back until it touches it.
@@ -32,8 +36,8 @@ Points LeftPoints(const PackingFineness& fine, const CutShape& cut) {
   const double n = CentersPerVolume(fine),
                r = fine.children > 0 ? kChildRadius * fine.spacing_m : fine.radius_m;
   if (!cut.along_surface || fine.children > 0) return {.density_1_per_m2 = 2.0 * r * n, .radius_m = 0.5 * r};
-  // lattice: centres from the beginning of the lattice to the end of the balls' reach; surface balls: all at
-  // depth r
+  // Lattice balls: their centres lie between `from`, where the lattice begins or the tool begins to reach it,
+  // and the depth h + r. Surface balls: all centres lie at the depth r.
   const double h = cut.depth_m, from = std::max(kMinOfCap * r, h - r), layer = std::max(0.0, h + r - from);
   const double lattice = n * layer, lattice_r = r - 0.25 * layer;
   const double surface = h < 2.0 * r ? SurfaceDensity(fine) : 0.0, surface_r = r - 0.5 * h;

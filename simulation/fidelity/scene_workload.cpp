@@ -12,12 +12,13 @@ namespace {
 
 constexpr double kLead_m = 0.5e-3;  // height above first contact at which a tool begins
 constexpr double kMinStep_m = 0.02e-3, kMaxStep_m = 0.2e-3;    // travel in a frame
-constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle of the offset from straight ahead
-// time in which the offset grows, then rests, then goes round once
+constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle between the offset and the feed
+// durations in which the offset grows, then stays constant, then turns once around the feed
 constexpr double kPressing_s = 0.05, kSettling_s = 0.05, kCircle_s = 0.2;
 
-/// Corners of the path of the head's centre, in the site's frame C. In a cup, it leads down the axis: from
-/// above the place where the head meets the rim (or the floor) to the depth of the cut.
+/// Corners of the path of the head's centre, in the site's frame C. In a cup, the path leads down the axis:
+/// it begins above the place at which the head touches the rim or the floor, and ends at the depth of the
+/// cut.
 std::vector<Vector3> WayOf(const SceneSolid& solid, const SceneParams& scene, const ToolBall& head) {
   using Kind = ZoneParams::Kind;
   if (scene.zone.kind == Kind::kPath) return scene.zone.path_C_m;
@@ -83,7 +84,8 @@ CutWorkload MakeSceneWorkload(const SceneSolid& solid, const SceneParams& scene,
   };
   const std::size_t rest = frames(kPressing_s + kSettling_s), circle = frames(kCircle_s);
   work.feel_begin = work.cut_end + rest;
-  // with the spindle off, press the tool off the path's end, let it settle, then turn the offset once around
+  // With the spindle off, press the tool away from the path's end by the offset, let it settle, then turn the
+  // offset once around the feed.
   for (std::size_t k = 0; k < rest + circle; ++k) {
     const double pressed = std::min(1.0, static_cast<double>(k + 1) / (params.rate_hz * kPressing_s));
     const double turn =
@@ -110,8 +112,8 @@ CutShape ShapeOfCut(const CutWorkload& work, const SceneParams& scene) {
     return shape;
   }
   shape.tool_radius_m = CuttingReach(work.tool);
-  // follow the head's centre: its way within the solid, how often it passes the surface (a rim each), and the
-  // shortest piece of way from one surface to the next
+  // Follow the head's centre along the path. Measure the length within the solid, the number of passes
+  // through the surface (each makes a rim), and the shortest piece between two such passes.
   double run_m = 0.0, inside_m = 0.0, thinnest_m = 0.0;
   int rims = 0;
   bool was_inside = false;

@@ -17,7 +17,7 @@ double DistanceTo(const Vector3& p_m, const ToolBall& ball) {
   return (p_m - Vector3(ball.center_m)).norm() - ball.radius_m;
 }
 
-/// A sample place on a tool's surface, in T, and the area that it stands for.
+/// A sample point on a tool's surface, in T, and the area that the sample represents.
 struct Place {
   Vector3 p_m;
   double area_m2;
@@ -25,7 +25,7 @@ struct Place {
 
 /// Sample places on the surface of the union of the balls of one kind.
 std::vector<Place> SurfaceOf(const std::vector<ToolBall>& balls, bool cutting) {
-  constexpr int kPlaces = 200;  // of each ball
+  constexpr int kPlaces = 200;  // number of samples of each ball
   std::vector<Place> places;
   for (std::size_t i = 0; i < balls.size(); ++i) {
     if (balls[i].cutting != cutting) continue;
@@ -63,7 +63,7 @@ Tool ThinTool(const Tool& tool, double gap_m) {
     for (const ToolBall& ball : tool.balls)
       if (ball.cutting == cutting && !is_head(ball)) by_size.push_back(ball);
     std::ranges::stable_sort(by_size, {}, &ToolBall::radius_m);
-    // drop each ball without which the remaining ones still come within gap_m of every place of the surface
+    // drop each ball whose absence leaves every sample of the surface within gap_m of a remaining ball
     for (const ToolBall& candidate : by_size) {
       std::vector<ToolBall> left;
       for (const ToolBall& ball : thin.balls)

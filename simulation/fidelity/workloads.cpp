@@ -15,9 +15,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle of the offset from straight down
-constexpr double kPressing_s = 0.05, kSettling_s = 0.05;  // until the offset is complete, and a little longer
-constexpr double kCircle_s = 0.4;   // duration of the offset's circle where the tool stays in place
+constexpr double kTilt_rad = 20.0 * std::numbers::pi / 180.0;  // angle between the offset and the vertical
+constexpr double kPressing_s = 0.05, kSettling_s = 0.05;  // durations: the offset grows; the tool settles
+constexpr double kCircle_s = 0.4;   // duration in which the offset turns once, if the tool stays in place
 constexpr double kLead_m = 0.5e-3;  // height above first contact at which a tool begins
 
 // Cut zone of a flat top face, or of a part of it.
@@ -38,9 +38,9 @@ Tool OneBall(double radius_m) {
 // Path of the ball's centre: straight down to a corner, then along a curve. `along` and `direction` are
 // functions of the length travelled since the corner [m].
 struct CenterWay {
-  Vector3 start_m{Vector3::Zero()}, corner_m{Vector3::Zero()};  ///< straight down from one to the other
-  std::function<Vector3(double)> along{};                       ///< places on the curve; empty: no curve
-  std::function<Vector3(double)> direction{};                   ///< of the curve: unit vectors
+  Vector3 start_m{Vector3::Zero()}, corner_m{Vector3::Zero()};  ///< ends of the straight part that leads down
+  std::function<Vector3(double)> along{};                       ///< point on the curve; empty: no curve
+  std::function<Vector3(double)> direction{};                   ///< unit tangent of the curve
   double along_m{0.0};                                          ///< length of the curve
 };
 
@@ -70,26 +70,26 @@ class Builder {
     for (std::size_t k = 1; k <= along_steps; ++k) Add(way.along(Share(k, along_steps) * way.along_m), true);
     work_.cut_end = work_.frames.size();
 
-    // back along the path, or a circle of the offset where the path is a hole
+    // Move the tool back along the curve or, if the path is only a hole, turn the offset in a circle.
     const bool trench = way.along_m > 0.0;
     const double feel_s = trench ? way.along_m / params_.feel_m_per_s : kCircle_s;
     const std::size_t rest = Frames(kPressing_s + kSettling_s), feel = Frames(feel_s);
     work_.feel_begin = work_.cut_end + rest;
     for (std::size_t k = 0; k < rest + feel; ++k) {
-      // shares of the offset and of the way back (or of the circle)
+      // `pressed` is the fraction of the full offset, `gone` that of the way back or of the circle
       const double pressed = std::min(1.0, static_cast<double>(k + 1) * dt_s / kPressing_s);
       const double gone = k < rest ? 0.0 : Share(k - rest + 1, feel);
       const double at_m = (1.0 - gone) * way.along_m, turn = 2.0 * std::numbers::pi * gone;
       const Vector3 center = trench ? way.along(at_m) : way.corner_m;
       const Vector3 side = trench ? Vector3(way.direction(at_m).cross(Vector3::UnitZ()))
                                   : Vector3(std::cos(turn), std::sin(turn), 0.0);
-      // in a trench, the offset swings to both sides in turn
+      // in a trench, the offset swings to one side and then to the other
       const double tilt = trench ? kTilt_rad * std::sin(turn) : kTilt_rad;
       const Vector3 offset = params_.offset_m * (std::sin(tilt) * side - std::cos(tilt) * Vector3::UnitZ());
       Add(center + pressed * offset, false);
       if (work_.frames.size() <= work_.feel_begin) continue;
       const Vector3 force = -work_.cutting.stiffness_N_per_m * offset;
-      // the ball touches where the line of the force through its centre meets its surface
+      // The force passes through the ball's centre, so any point of its line gives the torque.
       const Vector3 p_TC = R_WT() * Vector3(0, 0, -radius_m_);
       work_.exact.push_back({.f_N = force, .t_Nm = p_TC.cross(force)});
     }
@@ -107,7 +107,7 @@ class Builder {
   [[nodiscard]] std::size_t Frames(double seconds) const {
     return static_cast<std::size_t>(std::lround(seconds * params_.rate_hz));
   }
-  // the feed leads down
+  // T's feed, +z, points down in W
   static Matrix3 R_WT() { return Eigen::DiagonalMatrix<double, 3>(1, -1, -1).toDenseMatrix(); }
 
   // Adds a frame with the ball's centre at this place.
@@ -139,8 +139,8 @@ void Check(const CutWorkloadParams& params) {
   check("offset [m]", params.offset_m, 1e-3);
 }
 
-// Path straight down to a cut of this depth in a top face at z = 0, moved by X. It begins 2 kLead_m above
-// first contact, because X may move it down by kLead_m.
+// Path straight down to a cut of this depth in a top face at z = 0, moved by X. The path begins 2 kLead_m
+// above first contact, because X may move the path down by kLead_m.
 CenterWay Down(const Pose& X, double radius_m, double depth_m) {
   const double bottom = radius_m - depth_m;
   return {.start_m = X * Vector3(0, 0, radius_m + 2.0 * kLead_m), .corner_m = X * Vector3(0, 0, bottom)};

@@ -14,8 +14,8 @@
 // The workloads on which methods are compared: a cut with a known exact result, then a touch of that cut with
 // a known exact force. Poses are given beforehand (open loop), so that every method gets the same ones.
 //
-//     cut    spindle on, RemovalLaw::kImmediate: the tool goes where it is told; what it sweeps is gone
-//     feel   spindle off: the same tool goes back along its own path, pressed off it by an offset d
+//     cut    spindle on, RemovalLaw::kImmediate: the tool follows the given poses; all bone in its sweep goes
+//     feel   spindle off: the same tool moves back along its own path, displaced from it by an offset d
 //
 // A ball that has cut a path fits into that path exactly: its centre is free only on the path. With a
 // frictionless coupling the force is therefore -K d wherever d is normal to the path and points into the
@@ -24,8 +24,8 @@
 namespace osteon::simulation {
 
 enum class CutTask : std::uint8_t {
-  kPlunge,   ///< a ball of 5 mm radius, 5 mm deep into a block
-  kSlide,    ///< the same, then 6 mm sideways: a trench
+  kPlunge,   ///< a ball of 5 mm radius, straight down 5 mm into a block
+  kSlide,    ///< as kPlunge, then 6 mm sideways: a trench
   kReam,     ///< a reamer of 25 mm radius in a cup of the same radius, 3 mm deeper
   kChannel,  ///< a burr of 1.5 mm radius, 2 mm deep, along an arc of 9.4 mm
   kScene,    ///< a scene's own cut (scene_workload.h); methods are not compared on it
@@ -38,12 +38,12 @@ inline constexpr std::array kCutTasks{CutTask::kPlunge, CutTask::kSlide, CutTask
 struct CutWorkload {
   CutTask task{CutTask::kPlunge};
   std::shared_ptr<const Solid> solid;
-  std::shared_ptr<const CutZone> zone;  ///< the surface that is cut: where a packing is fine
+  std::shared_ptr<const CutZone> zone;  ///< the cut zone, in which a packing is fine
   std::vector<Material> materials;      ///< one, without friction
   Tool tool;                            ///< one ball
   CuttingParams cutting;
   double rate_hz{1000.0};
-  std::vector<FrameInput> frames;  ///< W = G
+  std::vector<FrameInput> frames;  ///< poses in W; the frames W and G coincide
   std::size_t cut_end{0};          ///< number of the frames that cut; they come first
   std::size_t feel_begin{0};       ///< from this frame on the offset is complete, and forces are compared
   std::vector<FeltForce> exact;    ///< for the frames from feel_begin on
@@ -61,7 +61,7 @@ struct CutWorkloadParams {
 };
 
 /// Makes a workload's solid, tool and frames.
-/// @throws std::invalid_argument where rate, speeds or offset are not positive, or the offset exceeds 1 mm.
+/// @throws std::invalid_argument if rate, speeds or offset are not positive, or the offset exceeds 1 mm.
 [[nodiscard]] CutWorkload MakeCutWorkload(CutTask task, const CutWorkloadParams& params = {});
 
 /// Result of a workload's run on an engine.

@@ -28,9 +28,11 @@ constexpr std::array<char, kCarvedMagic.size()> Magic() {
   return bytes;
 }
 constexpr std::uint32_t kVersion = 1;
-constexpr double kReach_mm = 1e6;  // largest coordinate: a float still resolves it to a tenth of a millimetre
+// largest coordinate: a float resolves it to better than a tenth of a millimetre
+constexpr double kReach_mm = 1e6;
 
-/// The first bytes of the file, exactly as in memory. CarvedState describes the values.
+/// The header: the first bytes of the file, stored as this struct lies in memory. CarvedState describes the
+/// values.
 struct CarvedHeader {
   std::array<char, kCarvedMagic.size()> magic{Magic()};
   std::uint32_t version{kVersion};
@@ -44,7 +46,7 @@ struct CarvedHeader {
   double removed_volume_m3{0.0}, removed_mass_kg{0.0}, cutting_work_J{0.0}, cutting_debt_J{0.0};
   std::array<double, 12> face_n_G{};
   double friction{0.0};
-  std::array<std::uint32_t, 16> pairs{};  ///< bone ball, tool ball, alternating
+  std::array<std::uint32_t, 16> pairs{};  ///< indices in turn: a bone ball, a tool ball, …
   std::uint32_t pair_count{0}, face_count{0}, held_count{0};
   std::uint32_t has_proxy{0};
   std::uint32_t payload_crc{0};
@@ -54,7 +56,7 @@ static_assert(sizeof(CarvedHeader) == 392 && offsetof(CarvedHeader, R_GP) == 72 
               offsetof(CarvedHeader, has_proxy) == 380);
 static_assert(kMaxFaces == 4 && kRememberedPairs == 8);
 
-/// Continues a CRC-32 over more bytes; the first call takes 0.
+/// Continues the CRC-32 `crc` over more bytes; pass 0 in the first call.
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   const auto* bytes = static_cast<const Bytef*>(data);
   while (size > 0) {  // zlib takes sizes of 32 bits
@@ -66,7 +68,8 @@ std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t size) {
   return crc;
 }
 
-/// Two CRCs, over balls and over points. The header holds their numbers.
+/// Fingerprint of a bone: the CRCs of its balls and of its mass points. The numbers of balls and points are
+/// in the header.
 std::uint64_t Fingerprint(const Bone& bone) {
   std::uint32_t balls = 0, points = 0;
   for (const Ball& b : bone.balls) {
@@ -84,14 +87,14 @@ std::uint64_t Fingerprint(const Bone& bone) {
 /// Bytes of the mass points, rounded up to a multiple of 4.
 std::uint64_t Padded(std::uint64_t points) { return (points + 3) / 4 * 4; }
 
-/// Size of a file with these counts; nothing where it would exceed any memory.
+/// Size of a file with the header's counts; nothing if no memory could hold it.
 std::optional<std::uint64_t> FileSize(const CarvedHeader& h) {
   constexpr std::uint64_t kMax = std::uint64_t{1} << 32;
   if (h.balls > kMax || h.points > kMax || h.split_balls > h.balls || h.slots > 1024) return {};
   return sizeof(CarvedHeader) + 16 * h.balls + Padded(h.points) + h.split_balls * (8 + 16 * h.slots);
 }
 
-/// Reads and checks a whole file; keeps the first error.
+/// Reads and checks a whole file. The first error is stored, and later ones are dropped.
 class Reader {
  public:
   Reader(std::span<const std::byte> bytes, const std::filesystem::path& path, const Bone& bone)
@@ -105,7 +108,7 @@ class Reader {
   }
 
  private:
-  /// Notes an error at a byte of the file, unless there is one already.
+  /// Stores an error at a byte of the file, unless an error is stored already.
   void Fail(std::uint64_t byte, std::string where, std::string found, std::string accepted) {
     if (!error_)
       error_ = FileError{.file = path_.string(),
@@ -114,7 +117,7 @@ class Reader {
                          .found = std::move(found),
                          .accepted = std::move(accepted)};
   }
-  /// Fails unless a value of the header is the accepted one.
+  /// Stores an error unless a value of the header equals the accepted one.
   template <typename Value>
   void Expect(const Value& found, const Value& accepted, std::size_t byte, const char* where) {
     if (found != accepted) Fail(byte, where, fmt::format("{}", found), fmt::format("{}", accepted));
@@ -146,7 +149,7 @@ class Reader {
     if (!error_) CheckTotals();
   }
 
-  /// Checks and takes what the header tells: proxy, totals of the cut, contact memory.
+  /// Checks and reads the state's values in the header: proxy, totals of the cut, contact memory.
   void CheckTotals() {
     const std::size_t pose_at = offsetof(CarvedHeader, R_GP);
     PlainPose pose;
@@ -174,8 +177,8 @@ class Reader {
     state_.frame = header_.frame;
   }
 
-  /// Checks and takes the contact memory. The index of a bone ball counts the bone's balls first, and then
-  /// the slots of the split balls.
+  /// Checks and reads the contact memory: pairs of touching balls. The index of a bone ball runs over the
+  /// bone's balls first, and then over the slots of the split balls.
   void CheckContact() {
     ContactMemory& contact = state_.contact;
     if (header_.pair_count > kRememberedPairs)
@@ -210,7 +213,7 @@ class Reader {
     contact.friction = header_.friction;
   }
 
-  /// Copies `count` values from byte `at` on, and moves `at` behind them.
+  /// Copies `count` values from byte `at` on, and moves `at` past them.
   template <typename Value>
   void Take(std::uint64_t& at, std::uint64_t count, std::vector<Value>& values) {
     values.resize(count);
@@ -218,8 +221,8 @@ class Reader {
     at += count * sizeof(Value);
   }
 
-  /// Checks values x y z r, repeated. The slots of a ball that waits to be split hold capsules in this
-  /// pattern.
+  /// Checks values in groups of four: x y z r. The slots of a ball that waits for its children hold capsules
+  /// in the same form.
   void CheckFloats(const std::vector<float>& values, std::uint64_t at, const char* where) {
     for (std::size_t i = 0; i < values.size() && !error_; ++i) {
       const bool radius = i % 4 == 3;
@@ -230,7 +233,7 @@ class Reader {
     }
   }
 
-  /// Checks and takes what follows the header: balls, mass points, split balls.
+  /// Checks and reads the data after the header: balls, mass points, split balls.
   void CheckPayload() {
     const std::uint32_t crc =
         Crc(0, bytes_.data() + sizeof(CarvedHeader), bytes_.size() - sizeof(CarvedHeader));

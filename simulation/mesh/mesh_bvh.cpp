@@ -14,14 +14,15 @@
 namespace osteon::simulation {
 namespace {
 
-// Embree works in float millimetres: mesh files use them, so their vertices are exact in float.
+// Embree gets millimetres in float: most mesh files have this unit, so that their vertices are exact in
+// float.
 constexpr double kMm = 1e3;  // [mm/m]
 
 /// The triangles for Embree's rays.
 class EmbreeScene {
  public:
   explicit EmbreeScene(const TriangleMesh& mesh) {
-    // one thread: Embree's pool would outlive the set-up and run beside a servo loop
+    // one thread: a pool of Embree's would still be there after the set-up, and run beside a servo loop
     device_.reset(rtcNewDevice("threads=1"));
     if (!device_) throw std::runtime_error("mesh: Embree does not start on this machine");
     scene_.reset(rtcNewScene(device_.get()));
@@ -62,7 +63,8 @@ struct MeshBvh::Impl {
   TriangleMesh mesh;
   TriangleTree tree;
   std::once_flag once;
-  std::optional<EmbreeScene> scene;  ///< made by the first search for crossings, which few meshes need
+  /// Made by the first search for crossings; most meshes need no such search
+  std::optional<EmbreeScene> scene;
 
   explicit Impl(const TriangleMesh& from) : mesh(from), tree(mesh) {}
   [[nodiscard]] RTCScene Scene() {
@@ -84,15 +86,16 @@ std::optional<MeshCrossing> MeshBvh::CrossingOf(std::uint32_t triangle,
                                                 const std::array<std::uint32_t, 2>& edge,
                                                 double tolerance_m) const {
   struct Search {
-    RTCIntersectContext context;  // first, so that Embree's pointer to it points to this struct, too
+    RTCIntersectContext context;  // first member: Embree's pointer to it also points to this struct
     const Impl* impl;
     double tolerance_m;
     std::uint32_t edge_triangle;
     std::array<std::uint32_t, 2> edge;
     std::optional<MeshCrossing> crossing;
   };
-  // Embree calls this for each triangle that the edge may pierce; double precision decides. The crossing must
-  // lie off the edge's ends and inside the triangle's border by more than the tolerance.
+  // Embree calls this function for each triangle that the edge may pierce. The test is repeated in double
+  // precision: the crossing must be farther than the tolerance from the edge's ends and, inside the triangle,
+  // from its border.
   const auto decide = [](const RTCFilterFunctionNArguments* args) {
     auto& s = *reinterpret_cast<Search*>(args->context);
     const std::uint32_t t = RTCHitN_primID(args->hit, args->N, 0);

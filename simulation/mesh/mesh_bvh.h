@@ -28,7 +28,8 @@ struct MeshCrossing {
 
 /// Spatial index over a mesh. A tree of boxes selects the triangles to test for nearest points, and Embree
 /// (started by the first search for crossings) selects those that an edge may pierce.
-/// Double precision decides, so results do not depend on Embree's version or on an instruction set.
+/// All final tests are in double precision, so results do not depend on Embree's version or on an instruction
+/// set.
 class MeshBvh {
  public:
   /// Copies the parts of the mesh that it needs.
@@ -38,13 +39,13 @@ class MeshBvh {
   MeshBvh(const MeshBvh&) = delete;
   MeshBvh& operator=(const MeshBvh&) = delete;
 
-  /// Nearest point of the surface; among equally near triangles, the first one's (TriangleTree::Nearest).
+  /// Nearest point of the surface; of equally near triangles, the first in the mesh counts.
   [[nodiscard]] TriangleHit Nearest(const Vector3& p_m) const;
 
-  /// Finds an edge that passes through a triangle with which it shares no corner: the edge's ends lie more
-  /// than `tolerance_m` off the triangle's plane on both sides, and the crossing lies more than that inside
-  /// its border.
-  /// @throws std::runtime_error where Embree cannot start.
+  /// Finds an edge that passes through a triangle with which it shares no corner. The edge's ends must lie on
+  /// both sides of the triangle's plane, each farther than `tolerance_m` from it. The crossing must lie
+  /// farther than `tolerance_m` inside the triangle's border.
+  /// @throws std::runtime_error if Embree cannot start.
   [[nodiscard]] std::optional<MeshCrossing> FindCrossing(double tolerance_m) const;
   /// Number of edges that pass through a triangle as FindCrossing describes. Each edge counts once, however
   /// many triangles it has.

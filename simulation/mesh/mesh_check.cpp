@@ -12,8 +12,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMaxCoordinate_m = 10.0;  // distance from the origin along any axis
-constexpr double kMaxSize_m = 1.0;         // of the box around the mesh
+constexpr double kMaxCoordinate_m = 10.0;  // largest distance of a vertex from the origin along any axis
+constexpr double kMaxSize_m = 1.0;         // largest side of the box around the mesh
 constexpr double kMinVolume_m3 = 1e-9;
 
 constexpr const char* kUnits = "files are read in millimetres, times --scale";
@@ -46,7 +46,7 @@ Problem CheckCoordinates(const TriangleMesh& mesh, const std::string& name) {
 
 /// Checks that each edge joins two triangles, which run along it in opposite directions.
 Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
-  // edges of one defect: their number, and the first one's index and number of triangles
+  // the edges that have one kind of defect: how many, and the first edge's index and number of triangles
   struct Finding {
     std::size_t count{0}, first{0}, sides{0};
   };
@@ -87,8 +87,8 @@ Problem CheckEdges(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges,
   return std::nullopt;
 }
 
-/// Checks that the triangles around each vertex form one fan. Two triangles with a common edge join their
-/// corners at both of its ends; a vertex must then have a single set of corners.
+/// Checks that the triangles around each vertex form one fan. At both ends of an edge, the corners of its two
+/// triangles are joined into one set. Each vertex must then have a single set of corners.
 Problem CheckVertices(const TriangleMesh& mesh, const std::vector<MeshEdge>& edges, const std::string& name) {
   const auto corner = [&mesh](std::uint32_t triangle, std::uint32_t vertex) {
     const auto& t = mesh.triangles[triangle];
@@ -149,7 +149,7 @@ std::vector<MeshEdge> SortedEdges(const TriangleMesh& mesh) {
 }
 
 double SignedVolume_m3(const TriangleMesh& mesh) {
-  // about the first vertex: far from the origin, large terms would cancel
+  // sum relative to the first vertex: far from the origin, large terms would cancel and lose digits
   const Vector3 o = mesh.vertices_m.empty() ? Vector3(Vector3::Zero()) : mesh.vertices_m.front();
   double sum = 0.0;
   for (const auto& t : mesh.triangles)

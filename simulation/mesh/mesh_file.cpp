@@ -19,7 +19,7 @@ tl::unexpected<MeshError> Refuse(MeshErrorKind kind, std::string message) {
   return tl::make_unexpected(MeshError{.kind = kind, .message = std::move(message)});
 }
 
-/// First bytes of a kind of file, and its name for the message.
+/// First bytes by which a kind of file is recognised, and the name of this kind in messages.
 struct Signature {
   std::string_view bytes;
   const char* what;
@@ -27,7 +27,7 @@ struct Signature {
 
 using namespace std::string_view_literals;
 
-/// Other kinds of files that may have a mesh's extension, by their first bytes.
+/// Kinds of files that are no meshes, but may carry a mesh file's extension by mistake.
 constexpr std::array<Signature, 20> kSignatures{{
     {"version https://git-lfs", "a pointer of git LFS, not the mesh (git lfs pull fetches it)"},
     {"PK\x03\x04"sv, "a ZIP archive (3MF files and packed exports are such)"},
@@ -53,7 +53,7 @@ constexpr std::array<Signature, 20> kSignatures{{
     {"{", "JSON"},
 }};
 
-/// Names the kind of a file whose content contradicts its extension; empty where it may be a mesh.
+/// Names the kind of a file whose content contradicts its extension; empty if the file may be a mesh.
 std::string_view FindOtherKind(std::string_view content, const std::string& extension) {
   const std::string_view text =
       content.substr(content.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
@@ -96,7 +96,8 @@ tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path)
   auto raw = extension == ".stl"   ? ReadStl(content, name)
              : extension == ".obj" ? ReadObj(content, name)
                                    : ReadPly(content, name);
-  // Only a file that is no mesh is examined for other kinds: a binary STL's header may begin with any bytes.
+  // A file that was read as a mesh is accepted whatever its first bytes: a binary STL's header may begin with
+  // any bytes.
   if (raw) return raw;
   if (const std::string_view other = FindOtherKind(content, extension); !other.empty())
     return Refuse(MeshErrorKind::kFormat,

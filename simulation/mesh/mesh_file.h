@@ -10,11 +10,11 @@
 #include "simulation/mesh/triangle_mesh.h"
 
 // Readers from mesh files to triangles, one for each format. Each reader checks and reads in the same pass,
-// so that the checked data are the data used.
+// so that no unchecked data are used.
 
 namespace osteon::simulation {
 
-/// A file's triangles in its order and its own unit; polygons are cut into triangles.
+/// The triangles of a file, in the file's order and unit. Polygons are cut into triangles.
 struct RawMesh {
   std::vector<std::string> parts;  ///< names of groups, objects or solids that have triangles, in UTF-8
   std::vector<std::array<std::array<float, 3>, 3>> triangles;
@@ -22,11 +22,12 @@ struct RawMesh {
 };
 
 /// Reads an STL, OBJ or PLY file by its extension.
-/// @returns the triangles, at least one, all coordinates finite; or the reason for a refusal: no such file,
-///   another format, or the line or byte where the file is damaged.
+/// @returns at least one triangle, all coordinates finite; or an error: no such file, another format, or the
+///   line or byte at which the file is damaged.
 [[nodiscard]] tl::expected<RawMesh, MeshError> ReadMeshFile(const std::filesystem::path& path);
 
-/// The readers, one for each format. `content` is a whole file of any bytes; messages call the file `name`.
+/// The readers, one for each format. `content` holds all bytes of a file, valid or not; error messages call
+/// the file `name`.
 [[nodiscard]] tl::expected<RawMesh, MeshError> ReadStl(std::string_view content, const std::string& name);
 [[nodiscard]] tl::expected<RawMesh, MeshError> ReadObj(std::string_view content, const std::string& name);
 [[nodiscard]] tl::expected<RawMesh, MeshError> ReadPly(std::string_view content, const std::string& name);

@@ -8,12 +8,12 @@
 namespace osteon::simulation {
 namespace {
 
-// Statements that do not change the surface, and are followed by a name. The name is the rest of the line: a
-// '\' at its end belongs to it, and does not continue the line.
+// Statements that do not change the surface and consist of a keyword and a name. The name is the whole rest
+// of the line; a '\' at its end belongs to the name, and does not continue the line.
 constexpr std::array<std::string_view, 6> kNames{"mtllib", "usemtl",     "usemap",
                                                  "maplib", "shadow_obj", "trace_obj"};
-// Ignored statements: curves bound no solid, and attributes of free forms only matter for 'surf', which is
-// refused.
+// Statements that are ignored: curves bound no solid, and attributes of free-form surfaces only matter for
+// 'surf', which is refused.
 constexpr std::array<std::string_view, 22> kIgnored{
     "vp",   "s",      "mg",   "lod",   "bevel", "c_interp", "d_interp", "ctech", "stech", "deg", "bmat",
     "step", "cstype", "curv", "curv2", "parm",  "trim",     "hole",     "scrv",  "sp",    "end", "con"};
@@ -23,13 +23,14 @@ bool Contains(const std::array<std::string_view, N>& words, std::string_view wor
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Number of entries of a list, the largest index that a corner has used, and the line of that corner.
+/// One of the file's lists: its number of entries, the largest index by which a corner refers to it, and the
+/// line of that corner.
 struct IndexedList {
   std::int64_t count{0}, greatest{0};
   int line{0};
 };
 
-/// Reads a file line by line; faces become polygons, which are cut into triangles at the end.
+/// Reads a file line by line. Faces are stored as polygons, which are cut into triangles after the last line.
 class ObjReader {
  public:
   explicit ObjReader(const std::string& name) : name_(name) {}
@@ -65,7 +66,7 @@ class ObjReader {
  private:
   [[nodiscard]] MeshError At(const std::string& what) const { return DamageAtLine(name_, line_, what); }
 
-  /// Reads a statement, with the lines that continue it. @returns what is wrong with it, if anything
+  /// Reads a statement, including the lines that continue it. @returns an error if the statement is refused
   std::optional<MeshError> ReadLine(std::string_view line, LineReader& lines) {
     std::string_view key = line.substr(0, line.find_first_of(" \t\v\f"));
     if (key == "g" || key == "o") {
@@ -74,7 +75,7 @@ class ObjReader {
       return std::nullopt;
     }
     if (Contains(kNames, key)) return std::nullopt;
-    // Only the part before a comment continues in the next line.
+    // The comment is cut off first: only a '\' before it continues the statement in the next line.
     std::string_view statement = Trimmed(line.substr(0, line.find('#')));
     if (statement.ends_with('\\')) {
       joined_.clear();
@@ -91,7 +92,7 @@ class ObjReader {
     if (words_.empty()) return std::nullopt;
     key = words_[0];
     if (key == "v") return ReadVertex();
-    if (key == "vt" || key == "vn") {  // counted; the values, nan included, are not used
+    if (key == "vt" || key == "vn") {  // only counted: the values are not used, so nan is accepted
       ++lists_[key == "vt" ? 1 : 2].count;
       return std::nullopt;
     }
@@ -106,7 +107,7 @@ class ObjReader {
     return At(fmt::format("found {}, accepted a statement of OBJ: v, vt, vn, f, g, o …", Shown(words_[0])));
   }
 
-  /// Reads "v x y z", with a weight or a colour behind it. Coordinates are divided by the weight.
+  /// Reads "v x y z", which a weight or a colour may follow. Coordinates are divided by the weight.
   std::optional<MeshError> ReadVertex() {
     ++lists_[0].count;
     const std::size_t numbers = words_.size() - 1;
@@ -134,8 +135,8 @@ class ObjReader {
     return std::nullopt;
   }
 
-  /// Reads the corners of a face (three and more), line or point; only a face is kept. Negative indices count
-  /// back from the last entry.
+  /// Reads the corners of a face (at least three), line or point. Only faces are stored. A negative index
+  /// counts back from the list's last entry.
   std::optional<MeshError> ReadCorners(std::size_t min_corners) {
     if (words_.size() - 1 < min_corners)
       return At(fmt::format("found {} corners after {}, accepted {} and more", words_.size() - 1, words_[0],
@@ -181,7 +182,7 @@ class ObjReader {
   PolygonMesh mesh_;
   PartNames parts_;
   std::string part_name_;
-  std::optional<std::uint32_t> part_;  // part of the following faces; none before the first of them
+  std::optional<std::uint32_t> part_;  // part that the following faces belong to; empty before the first face
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ constexpr const char* kTypeNames = "char, uchar, short, ushort, int, uint, float
 
 enum class PlyFormat : std::uint8_t { kText, kLittleEndian, kBigEndian };
 
-/// A type of number: its two names in headers, size and kind.
+/// A type of number: its two names in headers, its size, and whether it is signed, unsigned or real.
 struct PlyType {
   std::array<const char*, 2> names;
   std::size_t bytes;
@@ -39,24 +39,24 @@ const PlyType* FindType(std::string_view name) {
   return nullptr;
 }
 
-/// A property of an element, as the header announces it.
+/// A property of an element, as the header declares it.
 struct PlyProperty {
   std::string name;
   const PlyType* type{nullptr};
-  const PlyType* count_type{nullptr};  ///< type of a list's count
-  int axis{-1};                        ///< 0 … 2: a vertex's x, y, z
-  bool is_corners{false};              ///< a face's list of vertex indices
+  const PlyType* count_type{nullptr};  ///< type of the count before a list's values; null: no list
+  int axis{-1};                        ///< 0 … 2: x, y or z of a vertex; -1: another property
+  bool is_corners{false};              ///< true: a face's list of vertex indices
 };
 
-/// An element (vertex, face, …): rows that all have these properties.
+/// An element (vertex, face, …): all of its rows have the same properties.
 struct PlyElement {
   std::string name;
   std::size_t count{0};
-  int line{0};  ///< line in the header
+  int line{0};  ///< line of its declaration in the header
   std::vector<PlyProperty> properties;
 };
 
-/// Reads the values of a PLY's body, one after the other, from text or bytes.
+/// Reads the values of a PLY file's body one after the other, from text or from bytes.
 class PlyBody {
  public:
   PlyBody(std::string_view content, std::size_t begin, int line, PlyFormat format)
@@ -73,7 +73,7 @@ class PlyBody {
     word_ = 0;
     return true;
   }
-  /// Skips a value that is not used; false where the file or the row ends, or the word is no number.
+  /// Skips a value that is not used. Returns false if the file or the row ends, or the word is no number.
   [[nodiscard]] bool Skip(const PlyType& type) {
     if (format_ != PlyFormat::kText) {
       if (content_.size() - at_ < type.bytes) return false;
@@ -84,7 +84,8 @@ class PlyBody {
     ++word_;
     return true;
   }
-  /// Reads the next value; nothing where the file or the row ends, or the word is no number of this type.
+  /// Reads the next value. Returns nothing if the file or the row ends, or the word is no number of this
+  /// type.
   [[nodiscard]] std::optional<double> Next(const PlyType& type) {
     if (format_ == PlyFormat::kText) {
       if (word_ >= words_.size()) return std::nullopt;
@@ -110,12 +111,12 @@ class PlyBody {
     const int shift = static_cast<int>(8 * (4 - type.bytes));
     return static_cast<std::int32_t>(bits << shift) >> shift;
   }
-  /// The current line or byte, for errors found later.
+  /// The current line or byte, for an error that is found later (DamageAt).
   [[nodiscard]] std::size_t place() const {
     return format_ == PlyFormat::kText ? static_cast<std::size_t>(lines_.line()) : at_;
   }
-  /// Amount of content behind the last row of the last element, in bytes or in lines that are not empty. A
-  /// single line end does not count.
+  /// Amount of content after the last row of the last element: bytes, or lines that are not empty in a text
+  /// file. A single line end does not count.
   [[nodiscard]] std::size_t CountRest() {
     if (format_ != PlyFormat::kText)
       return Trimmed(content_.substr(at_)).empty() && content_.size() - at_ <= 2 ? 0 : content_.size() - at_;
@@ -123,7 +124,7 @@ class PlyBody {
     while (NextRow()) ++rows;
     return rows;
   }
-  /// Whether all words of a text file's line were read.
+  /// Whether all words of the current line were read; always true in a binary file.
   [[nodiscard]] bool RowIsUsedUp() const { return format_ != PlyFormat::kText || word_ == words_.size(); }
   /// Text of the next value, for messages.
   [[nodiscard]] std::string Found() const {
@@ -144,14 +145,14 @@ class PlyBody {
 
  private:
   std::string_view content_;
-  std::size_t at_;  // byte position; a text file's position is in lines_
+  std::size_t at_;  // position in a binary file [bytes]; the position in a text file is in lines_
   PlyFormat format_;
   LineReader lines_;
   std::vector<std::string_view> words_;
   std::size_t word_{0};
 };
 
-/// Reads header and body, and checks both; faces become polygons, which are cut into triangles at the end.
+/// Reads and checks header and body. Faces are stored as polygons, which are cut into triangles at the end.
 class PlyReader {
  public:
   PlyReader(std::string_view content, const std::string& name) : content_(content), name_(name) {}
@@ -177,7 +178,8 @@ class PlyReader {
   }
 
  private:
-  /// Reads the header and finds where the body begins. These functions return what is wrong, if anything.
+  /// Reads the header and finds where the body begins. This function and the following ones return an error
+  /// if the file is refused.
   std::optional<MeshError> ReadHeader() {
     const std::size_t mark = content_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
     const std::string_view head = content_.substr(mark, kMaxHeader);
@@ -186,7 +188,7 @@ class PlyReader {
     const auto first = lines.Next();
     if (!first || Trimmed(*first) != "ply")
       return DamageAtLine(name_, 1, fmt::format("found {}, accepted 'ply'", Shown(first.value_or(""))));
-    // Where lines end in CR alone, an LF behind the header's last CR is the body's first byte.
+    // If the header's lines end in CR alone, an LF after its last CR is the body's first byte.
     const bool ends_in_cr =
         head.substr(first->size()).starts_with('\r') && !head.substr(first->size()).starts_with("\r\n");
     bool has_format = false;
@@ -273,16 +275,19 @@ class PlyReader {
     return std::nullopt;
   }
 
-  /// Checks that vertices and faces are announced, and no more rows than the file has room for.
+  /// Checks that the header declares vertices and faces, and no more rows than fit into the file.
   std::optional<MeshError> CheckHeader() {
     std::size_t min_bytes = 0;
     bool has_corners = false, has_vertices = false;
     for (const PlyElement& element : elements_) {
-      std::size_t row = 0;  // least bytes of a row; a text's value has a digit and a space
+      // smallest size of a row [bytes]; a value in a text file has at least a digit and a space
+      std::size_t row = 0;
       for (const PlyProperty& p : element.properties)
         row += format_ == PlyFormat::kText ? 2 : p.count_type ? p.count_type->bytes : p.type->bytes;
       min_bytes += element.count * row;
-      if (element.count > 0 && element.properties.empty())  // any number of them would take no bytes
+      if (element.count > 0 &&
+          element.properties
+              .empty())  // rows without properties take no bytes, so no file size would limit their number
         return Refuse(
             fmt::format("found element {} without properties, accepted one and more", Shown(element.name)));
       const auto has_axis = [&element](int axis) {
@@ -304,7 +309,7 @@ class PlyReader {
       return Refuse(fmt::format("found no {}, accepted elements vertex and face with a list vertex_indices",
                                 has_vertices ? "list vertex_indices of element face" : "element vertex"));
     const std::size_t rest = content_.size() - body_begin_;
-    if (rest + 1 < min_bytes)  // a text file may end without a line end
+    if (rest + 1 < min_bytes)  // + 1: a text file's last line may lack its line end
       return Refuse(
           fmt::format("found elements announced that take {} bytes and more, and {} bytes behind "
                       "the header, accepted as many as are announced",
@@ -345,7 +350,8 @@ class PlyReader {
         const auto value = body.Next(*property.type);
         if (!value) return too_short();
         if (property.axis >= 0) {
-          const float x = static_cast<float>(*value) + 0.0f;  // turns -0 into +0, the same place
+          // turns -0 into +0, so that equal places have equal bits
+          const float x = static_cast<float>(*value) + 0.0f;
           if (!std::isfinite(x))
             return body.Damage(
                 name_,
@@ -370,7 +376,7 @@ class PlyReader {
     return std::nullopt;
   }
 
-  /// Checks for rows behind the last announced one: a wrong count, or an incomplete file.
+  /// Checks that nothing follows the last declared row: otherwise a count is wrong.
   std::optional<MeshError> CheckRest(PlyBody& body) {
     const std::size_t place = body.place();
     const std::size_t rest = body.CountRest();
@@ -387,7 +393,7 @@ class PlyReader {
                                      last.count + rest, name, last.count, last.line));
   }
 
-  /// A name of the header for a message.
+  /// A name from the header in a form that messages can show.
   static std::string Printable(const std::string& name) {
     const std::string shown = Shown(name);
     return shown.substr(1, shown.size() - 2);

@@ -16,8 +16,8 @@ bool IsWord(std::string_view word, std::string_view expected) {
                     [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-/// A line of a facet: the words at its beginning, how many numbers follow, and what a message says is
-/// accepted.
+/// A line of a facet: the words at its beginning, the number of numbers after them, and the text by which
+/// messages describe the accepted line.
 struct FacetLine {
   std::vector<std::string_view> words;
   std::size_t numbers;
@@ -45,7 +45,7 @@ tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::s
   LineReader lines(content);
   std::vector<std::string_view> words;
   std::string_view solid;
-  std::size_t step = 0, corner = 0;  // line of the facet, corner of the triangle
+  std::size_t step = 0, corner = 0;  // index of the facet's next line, and of the triangle's next corner
   bool in_solid = false;
   std::array<std::array<float, 3>, 3> triangle{};
   while (const auto line = lines.Next()) {
@@ -69,7 +69,7 @@ tl::expected<RawMesh, MeshError> ReadText(std::string_view content, const std::s
     if (words.size() != expected.words.size() + expected.numbers) return refuse(expected.accepted);
     for (std::size_t i = 0; i < expected.words.size(); ++i)
       if (!IsWord(words[i], expected.words[i])) return refuse(expected.accepted);
-    if (step == 0) {  // the normal is not used: exporters write nan for triangles without area
+    if (step == 0) {  // the normal is only skipped: for triangles without area, exporters write nan
       corner = 0;
       for (std::size_t i = 2; i < words.size(); ++i)
         if (!IsUnusedNumber(words[i])) return refuse(expected.accepted);
@@ -113,7 +113,8 @@ tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std:
   RawMesh raw;
   raw.triangles.resize(count);
   raw.part_of_triangle.assign(count, 0);
-  if (count > 0) raw.parts.emplace_back();  // the header is no name: programs write their own there
+  if (count > 0)
+    raw.parts.emplace_back();  // the part has no name: in the header, programs write their own name
   for (std::size_t t = 0; t < count; ++t)
     for (std::size_t i = 0; i < 9; ++i) {
       const std::size_t byte = kHeader + t * kTriangle + (3 + i) * sizeof(float);  // after the normal
@@ -123,7 +124,7 @@ tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std:
         return tl::make_unexpected(DamageAtByte(
             name, byte, fmt::format("triangle {}: found coordinate {}, accepted a finite number", t, x),
             MeshErrorKind::kNotFinite));
-      raw.triangles[t][i / 3][i % 3] = x + 0.0f;  // turns -0 into +0, the same place
+      raw.triangles[t][i / 3][i % 3] = x + 0.0f;  // turns -0 into +0, so that equal places have equal bits
     }
   return raw;
 }
@@ -131,8 +132,8 @@ tl::expected<RawMesh, MeshError> ReadBinary(std::string_view content, const std:
 }  // namespace
 
 tl::expected<RawMesh, MeshError> ReadStl(std::string_view content, const std::string& name) {
-  // A binary file may also begin with "solid": the size decides. A file that is neither is reported as text,
-  // if it is text.
+  // A binary file, too, may begin with "solid", so the file's size decides. A file that is neither form is
+  // reported as a damaged text file if it consists of text.
   std::uint32_t count = 0;
   if (content.size() >= kHeader) std::memcpy(&count, content.data() + kHeader - sizeof(count), sizeof(count));
   const bool sized_as_binary = content.size() >= kHeader && content.size() - kHeader == count * kTriangle;

@@ -8,7 +8,8 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::size_t kMaxConcaveCorners = 1024;  // the search for ears takes at least quadratic time
+// limit, because the search for ears takes at least quadratic time
+constexpr std::size_t kMaxConcaveCorners = 1024;
 
 using Point2 = std::array<double, 2>;
 
@@ -60,7 +61,7 @@ class PolygonTriangulator {
 
   /// Projects the corners along the largest component of the mean normal (Newell), so that they run
   /// counter-clockwise.
-  /// @returns false where the polygon has no area.
+  /// @returns false if the polygon has no area.
   bool Project() {
     std::array<double, 3> normal{};
     for (std::size_t i = 0; i < ring_.size(); ++i) {
@@ -91,7 +92,8 @@ class PolygonTriangulator {
     return true;
   }
 
-  /// Whether no other corner lies in or on the triangle of corner k of `left_` and its two neighbours.
+  /// Whether the triangle of corner k of `left_` and its neighbours `before` and `after` holds no other
+  /// corner, inside or on its border.
   [[nodiscard]] bool IsEar(std::size_t before, std::size_t k, std::size_t after) const {
     const Point2 &a = flat_[left_[before]], &b = flat_[left_[k]], &c = flat_[left_[after]];
     for (std::size_t i = 0; i < left_.size(); ++i) {
@@ -103,7 +105,7 @@ class PolygonTriangulator {
     return true;
   }
 
-  /// Ear clipping. Cuts off an ear without area only if no other ear is left.
+  /// Divides a concave polygon by ear clipping. An ear without area is only cut off if there is no other ear.
   /// @returns false if the polygon has no ear.
   bool CutEars() {
     left_.resize(ring_.size());
@@ -132,12 +134,12 @@ class PolygonTriangulator {
   const PolygonMesh& mesh_;
   RawMesh& raw_;
   std::uint32_t part_{0};
-  std::vector<std::uint32_t> ring_, sorted_;  // vertices of the polygon, without repetitions; sorted
+  std::vector<std::uint32_t> ring_, sorted_;  // the polygon's vertices without repetitions; the same, sorted
   std::vector<Point2> flat_;                  // projected corners of ring_
   std::vector<std::size_t> left_;             // indices in ring_ of the corners that are not cut off yet
 };
 
-/// True where the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
+/// True if the bytes are UTF-8, by the table of well-formed sequences (The Unicode Standard, table 3-7).
 bool IsUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);
@@ -164,7 +166,7 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
-/// The name in UTF-8; other bytes are read as Latin-1.
+/// The name in UTF-8. A name that is not valid UTF-8 is read as Latin-1.
 std::string AsUtf8(std::string_view name) {
   if (IsUtf8(name)) return std::string(name);
   std::string text;

@@ -14,23 +14,25 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kInside = 0.5;           // winding number at the surface
-constexpr double kSurely = 0.1;           // distance from kInside at which a whole block counts as decided
-constexpr double kSolidWinding = 0.8;     // a closed solid has 1
-constexpr double kMinSolidShare = 0.5;    // of the volume inside that has kSolidWinding
-constexpr double kMinStep_m = 0.1e-3;     // of the grid
-constexpr int kBlock = 4;                 // grid steps along the edge of a block
-constexpr std::size_t kShellSamples = 9;  // triangles of a shell that are tested for being within others
-constexpr int kBisections = 10;           // bisection to a thousandth of the step
+constexpr double kInside = 0.5;        // winding number at the surface that is made
+constexpr double kSurely = 0.1;        // distance from kInside from which a block has one winding number
+constexpr double kSolidWinding = 0.8;  // inside a closed solid it is 1
+// smallest share of the volume inside whose winding number is above kSolidWinding
+constexpr double kMinSolidShare = 0.5;
+constexpr double kMinStep_m = 0.1e-3;  // smallest step of the grid
+constexpr int kBlock = 4;              // grid steps along the edge of a block
+// number of a shell's triangles that are tested for lying in other shells
+constexpr std::size_t kShellSamples = 9;
+constexpr int kBisections = 10;  // number of bisections: the vertices are exact to a thousandth of the step
 
-/// Groups of triangles joined by edges of exactly two.
+/// Groups of triangles that are joined by edges with exactly two triangles.
 struct Shells {
   std::vector<std::uint32_t> of_triangle;             // shell of each triangle
   std::vector<std::vector<std::uint32_t>> triangles;  // of each shell
 };
 
-/// Counts the edges that bound no solid in `found`, finds the shells, and winds the triangles of each in one
-/// sense.
+/// Finds the shells, and winds all triangles of a shell in one sense. Counts the defective edges and the
+/// shells in `found`.
 Shells OrientShells(TriangleMesh& mesh, MeshRemake& found) {
   const std::vector<MeshEdge> edges = SortedEdges(mesh);
   struct Neighbour {
@@ -69,7 +71,7 @@ Shells OrientShells(TriangleMesh& mesh, MeshRemake& found) {
         turns += turned[other] ? 1 : 0;
         members.push_back(other);
       }
-    // the sense of most triangles counts
+    // the shell gets the sense that most of its triangles had
     if (2 * turns > members.size())
       for (const std::uint32_t t : members) turned[t] = !turned[t];
     shells.triangles.push_back(std::move(members));
@@ -94,12 +96,13 @@ double ShellVolume_m3(const TriangleMesh& mesh, const std::vector<std::uint32_t>
   return sum / 6.0;
 }
 
-/// Turns a shell inside out.
+/// Reverses the winding of a shell's triangles.
 void Turn(TriangleMesh& mesh, const std::vector<std::uint32_t>& shell) {
   for (const std::uint32_t t : shell) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
 }
 
-/// Winds shells outwards unless they are cavities: wound inwards, and mostly within other shells.
+/// Winds all shells outwards except cavities. A cavity is a shell that is wound inwards and lies mostly
+/// within other shells.
 void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
   std::vector<double> volumes_m3(shells.triangles.size());
   double total_m3 = 0.0;
@@ -113,7 +116,7 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
   }
   found.turned_shells = sense < 0.0 ? volumes_m3.size() - inwards.size() : 0;
   if (inwards.empty()) return;
-  const WindingNumber winding(mesh);  // all outwards
+  const WindingNumber winding(mesh);  // here all shells are wound outwards
   for (const std::size_t s : inwards) {
     const auto& own = shells.triangles[s];
     const std::size_t samples = std::min(kShellSamples, own.size());
@@ -121,7 +124,8 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
     for (std::size_t k = 0; k < samples; ++k) {
       const auto& t = mesh.triangles[own[k * own.size() / samples]];
       const Vector3 p = (mesh.vertices_m[t[0]] + mesh.vertices_m[t[1]] + mesh.vertices_m[t[2]]) / 3.0;
-      double others = winding.At(p);  // less that of this shell: the winding number of the other ones
+      // becomes the winding number of the other shells: the loop subtracts this shell's
+      double others = winding.At(p);
       for (const std::uint32_t i : own)
         others -=
             TriangleWinding(p, mesh.vertices_m[mesh.triangles[i][0]], mesh.vertices_m[mesh.triangles[i][1]],
@@ -135,9 +139,9 @@ void WindOutwards(TriangleMesh& mesh, const Shells& shells, MeshRemake& found) {
   }
 }
 
-/// The function 1/2 - winding number, which is negative inside the solid. A block of the grid without
-/// triangles has a single value, if its corners and its centre lie clearly on one side: the winding number
-/// changes slowly there.
+/// The function 1/2 - winding number, which is negative inside the solid. A block of the grid gets a single
+/// value if it has no triangles and its corners and centre lie clearly on one side of the surface: the
+/// winding number changes slowly in such a block.
 class WindingLevel {
  public:
   WindingLevel(const TriangleMesh& mesh, const Eigen::AlignedBox3d& box, double step_m)
@@ -155,7 +159,7 @@ class WindingLevel {
     }
   }
 
-  /// Value at p. Decides the point's block at the first call.
+  /// Value at p. The first call in a block decides whether the block has a single value (Decide).
   double operator()(const Vector3& p_m) {
     const std::array<std::size_t, 3> cell = Cell(p_m);
     float& block = blocks_[Index(cell)];
@@ -163,7 +167,7 @@ class WindingLevel {
     return block == kSurface ? kInside - winding_.At(p_m) : kInside - static_cast<double>(block);
   }
 
-  /// The share of the blocks' centres inside that have a solid's winding number.
+  /// Of the blocks whose centres lie inside, the share whose winding number is above kSolidWinding.
   [[nodiscard]] double SolidShare() const {
     std::size_t inside = 0, solid = 0;
     for (std::size_t z = 0; z < size_[2]; ++z)
@@ -178,10 +182,11 @@ class WindingLevel {
   }
 
  private:
-  // Values of a block that is not decided yet, or must be computed at each point. Else: its winding number.
+  // Entries of blocks_: not decided yet; the value must be computed at each point. Any other entry is the
+  // block's winding number.
   static constexpr float kUnknown = 1e30f, kSurface = 2e30f;
 
-  /// Place of the block that contains p, by axis; of the nearest block for points outside.
+  /// Indices along the axes of the block that contains p; for a point outside the grid, of the nearest block.
   [[nodiscard]] std::array<std::size_t, 3> Cell(const Vector3& p_m) const {
     std::array<std::size_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis)
@@ -196,7 +201,8 @@ class WindingLevel {
     return low_ + block_m_ * Vector3(static_cast<double>(cell[0]) + 0.5, static_cast<double>(cell[1]) + 0.5,
                                      static_cast<double>(cell[2]) + 0.5);
   }
-  /// The winding number of a block without triangles; kSurface where its sides are not clear.
+  /// The winding number of a block without triangles; kSurface if its corners and centre do not lie clearly
+  /// on one side.
   [[nodiscard]] float Decide(const std::array<std::size_t, 3>& cell) const {
     const Vector3 center = Center(cell);
     const double w = winding_.At(center);
@@ -231,7 +237,7 @@ tl::expected<LoadedMesh, std::string> RemakeMesh(const PartedMesh& parted, const
   for (const auto& t : mesh.triangles)
     for (const std::uint32_t v : t) box.extend(mesh.vertices_m[v]);
   found.step_m = std::max(kMinStep_m, std::cbrt(box.volume() / grid_points));
-  // the grid must reach beyond the surface on all sides
+  // the box must hold the surface with at least one step to spare (MeshOfLevel)
   const Vector3 room = Vector3::Constant(2.3 * found.step_m);
   box.extend(Vector3(box.min() - room));
   box.extend(Vector3(box.max() + room));

@@ -11,8 +11,9 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::size_t kMaxShells = 64;
-constexpr std::size_t kSamples = 15;    // triangles that LiesIn tests; odd, so that a majority decides
-constexpr double kMinFullness = 1e-12;  // smallest volume over the cube of the box's diagonal
+// number of triangles that LiesIn tests; odd, so that there is always a majority
+constexpr std::size_t kSamples = 15;
+constexpr double kMinFullness = 1e-12;  // smallest accepted volume, divided by the cube of the box's diagonal
 
 /// Triangles that are joined by common vertices.
 struct Shell {
@@ -57,8 +58,8 @@ std::vector<Shell> SplitShells(const TriangleMesh& mesh) {
   return shells;
 }
 
-/// Winding number of a shell about p: 0 outside, ±1 inside. Solid angles: Van Oosterom, Strackee, IEEE Trans.
-/// Biomed. Eng. 30, 1983.
+/// Winding number of a shell about p: 0 outside, +1 inside (-1 if the shell is wound inwards). Solid angles:
+/// Van Oosterom, Strackee, IEEE Trans. Biomed. Eng. 30, 1983.
 double WindingNumber(const TriangleMesh& mesh, const Shell& shell, const Vector3& p) {
   double sum = 0.0;
   for (const std::uint32_t i : shell.triangles) {
@@ -70,8 +71,8 @@ double WindingNumber(const TriangleMesh& mesh, const Shell& shell, const Vector3
   return sum / (2.0 * std::numbers::pi);
 }
 
-/// True where most of `inner` lies in `outer`. Shells may touch within the tolerance of crossings, so a
-/// single point decides nothing.
+/// True if most sampled triangles of `inner` lie in `outer`. One point would not be enough, because shells
+/// may touch or cross within kCrossingTolerance_m.
 bool LiesIn(const TriangleMesh& mesh, const Shell& inner, const Shell& outer) {
   const std::size_t samples = std::min(kSamples, inner.triangles.size());
   std::size_t inside = 0;
@@ -82,13 +83,13 @@ bool LiesIn(const TriangleMesh& mesh, const Shell& inner, const Shell& outer) {
   return 2 * inside > samples;
 }
 
-/// The mesh of the wanted shells alone.
+/// Extracts the wanted shells as a mesh of their own.
 TriangleMesh Extract(const TriangleMesh& mesh, const std::vector<Shell>& shells,
                      const std::vector<bool>& wanted) {
   std::vector<std::uint32_t> triangles;
   for (std::size_t s = 0; s < shells.size(); ++s)
     if (wanted[s]) triangles.insert(triangles.end(), shells[s].triangles.begin(), shells[s].triangles.end());
-  std::sort(triangles.begin(), triangles.end());  // the file's order
+  std::sort(triangles.begin(), triangles.end());  // restores the order of the file
   constexpr std::uint32_t kNone = ~0u;
   std::vector<std::uint32_t> place(mesh.vertices_m.size(), kNone);
   TriangleMesh extract;
@@ -185,7 +186,8 @@ tl::expected<LoadedMesh, MeshError> SortShells(PartedMesh parted, MeshReport rep
       bounds[i] = true;
       continue;
     }
-    const std::optional<std::size_t> around = region_of[*parent];  // none: the solid itself
+    // region around the shell; empty: the solid itself
+    const std::optional<std::size_t> around = region_of[*parent];
     if (outwards) {
       found[i].kind = ShellKind::kRegion;
       region_of[i] = loaded.regions.size();

@@ -51,7 +51,7 @@ class LineReader {
   return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
-/// Splits at blanks into `words`, whose memory it reuses.
+/// Splits a line at blanks into `words`, and reuses the memory of `words`.
 inline void SplitWords(std::string_view line, std::vector<std::string_view>& words) {
   words.clear();
   constexpr std::string_view kBlanks = " \t\v\f";
@@ -62,8 +62,8 @@ inline void SplitWords(std::string_view line, std::vector<std::string_view>& wor
   }
 }
 
-/// Parses a number that fills the word, independent of the locale. A real number beyond the range of T
-/// becomes infinite, or zero.
+/// Parses a word that consists of a number only, independently of the locale. A real number too large for T
+/// becomes infinite, one too small becomes zero.
 template <typename T>
 [[nodiscard]] std::optional<T> ParseWord(std::string_view word) {
   if (word.starts_with('+')) {
@@ -83,13 +83,13 @@ template <typename T>
   return value;
 }
 
-/// True where the word is a number or a C library's spelling of NaN ("-nan(ind)", "1.#QNAN"): accepted in
-/// values that are not used.
+/// True if the word is a number or a C library's spelling of NaN ("-nan(ind)", "1.#QNAN"). Both are accepted
+/// for values that are not used.
 [[nodiscard]] inline bool IsUnusedNumber(std::string_view word) {
   return ParseWord<double>(word) || word.find(".#") != std::string_view::npos;
 }
 
-/// A word of a file for a message: shortened and printable.
+/// A word from a file, shortened and made printable for a message.
 [[nodiscard]] inline std::string Shown(std::string_view word) {
   std::string text(word.substr(0, 30));
   for (char& c : text)
@@ -109,8 +109,8 @@ template <typename T>
   return {.kind = kind, .message = fmt::format("{}: byte {}: {}", name, byte, what)};
 }
 
-/// Reads a coordinate into `value`; the number and its float must be finite. Adding zero turns -0 into +0,
-/// the same place.
+/// Reads a coordinate into `value`. The number must be finite, also as a float. -0 becomes +0, so that equal
+/// places have equal bits.
 [[nodiscard]] inline std::optional<MeshError> ReadCoordinate(std::string_view word, const std::string& name,
                                                              int line, float& value) {
   const auto number = ParseWord<double>(word);
@@ -122,7 +122,7 @@ template <typename T>
                       number ? MeshErrorKind::kNotFinite : MeshErrorKind::kUnreadable);
 }
 
-/// Error for the first byte that does not occur in text, if there is one.
+/// Returns an error for the first byte that cannot occur in a text file, if there is one.
 [[nodiscard]] inline std::optional<MeshError> FindBinaryByte(std::string_view text, const std::string& name) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto c = static_cast<unsigned char>(text[i]);

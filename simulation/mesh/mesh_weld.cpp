@@ -17,13 +17,13 @@ struct PlaceHash {
   }
 };
 
-/// Drops triangles with two corners in one place. Of triangles of one part with the same corners and winding,
-/// keeps only the first.
+/// Drops triangles with two corners in one place. If several triangles of one part have the same corners and
+/// winding, only the first is kept.
 void DropCollapsed(PartedMesh& parted, MeshReport& report) {
-  // sorted, triangles of the same corners and winding are adjacent
+  // after sorting, triangles with the same corners and winding stand next to each other
   struct Turned {
     std::uint32_t part;
-    std::array<std::uint32_t, 3> corners;  // rotated so that the lowest is first
+    std::array<std::uint32_t, 3> corners;  // cyclically shifted, so that the lowest index comes first
     std::size_t triangle;
     auto operator<=>(const Turned&) const = default;
   };
@@ -94,7 +94,7 @@ PartedMesh WeldParts(const RawMesh& raw, double m_per_unit, MeshReport& report) 
 std::size_t WeldOpenEdges(PartedMesh& parted, double tolerance_m, MeshReport& report) {
   TriangleMesh& mesh = parted.mesh;
   const std::vector<std::uint32_t> ends = OpenEnds(mesh);
-  // sorted along x, ends within the tolerance of each other are close in the list
+  // in a list that is sorted along x, ends within the tolerance of each other are close
   std::vector<std::uint32_t> along = ends;
   std::sort(along.begin(), along.end(), [&mesh](std::uint32_t i, std::uint32_t j) {
     const double x = mesh.vertices_m[i].x(), y = mesh.vertices_m[j].x();

@@ -12,8 +12,9 @@ namespace osteon::simulation {
 namespace {
 
 /// Kuhn's division of the cube into six tetrahedra: one for each path along edges from corner 0 to corner 7.
-/// (A corner's bits are its x, y, z.) A path takes the axes in some order; kEven tells whether this is an
-/// even permutation, which gives the tetrahedron's orientation.
+/// The three bits of a corner's number are its coordinates x, y, z. A path follows the three axes in some
+/// order; kEven is true if this order is an even permutation of x, y, z. It determines the tetrahedron's
+/// orientation.
 constexpr int kTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7},
                                    {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 4, 6, 7}};
 constexpr bool kEven[6] = {true, true, true, false, false, false};
@@ -39,7 +40,7 @@ class Marching {
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = level_(At(i));
   }
 
-  /// @returns the mesh. @throws std::invalid_argument where the shape reaches the border or is empty.
+  /// @returns the mesh. @throws std::invalid_argument if the shape reaches the grid's border or is empty.
   TriangleMesh Run() {
     cuts_.assign(7 * values_.size(), kNone);
     for (std::size_t z = 0; z < size_[2]; ++z)
@@ -63,7 +64,7 @@ class Marching {
   [[nodiscard]] std::size_t Index(std::size_t x, std::size_t y, std::size_t z) const {
     return (z * size_[1] + y) * size_[0] + x;
   }
-  /// Index in the grid of a corner (bits x, y, z) of a cube, which is named by its corner 0.
+  /// Index of the grid's vertex at a corner of a cube. A cube has the index of its corner 0.
   [[nodiscard]] std::size_t Corner(std::size_t cube, int corner) const {
     return cube + (corner & 1) + ((corner >> 1) & 1) * size_[0] + (corner >> 2) * size_[0] * size_[1];
   }
@@ -73,7 +74,7 @@ class Marching {
                                     static_cast<double>(i / size_[0] % size_[1]),
                                     static_cast<double>(i / (size_[0] * size_[1])));
   }
-  /// Zero counts as outside, so every vertex of the grid is on one side.
+  /// Whether vertex i is inside. A value of zero counts as outside, so every vertex is on one side.
   [[nodiscard]] bool Inside(std::size_t i) const { return values_[i] < 0.0; }
 
   /// Adds the triangles of the surface within a cube: one or two for each tetrahedron that the surface
@@ -85,14 +86,15 @@ class Marching {
     for (int t = 0; t < 6; ++t) {
       std::array<int, 4> in{}, out{};
       int ins = 0, outs = 0;
-      // positions within the tetrahedron, in order: an odd permutation flips the triangles
+      // positions 0 … 3 in the tetrahedron of its inside and its outside corners, both ascending
       for (int k = 0; k < 4; ++k)
         if (Inside(Corner(cube, kTetrahedra[t][k])))
           in[ins++] = k;
         else
           out[outs++] = k;
       const auto cut = [&](int a, int b) { return Cut(cube, kTetrahedra[t][a], kTetrahedra[t][b]); };
-      // parity of (in…, out…) as a permutation of (0, 1, 2, 3)
+      // An odd permutation reverses the triangles' winding: the parity of the tetrahedron, times that of the
+      // order (inside corners, outside corners).
       bool even = kEven[t];
       std::array<int, 4> order{};
       for (int k = 0; k < ins; ++k) order[k] = in[k];
@@ -113,14 +115,14 @@ class Marching {
     }
   }
 
-  /// Adds a triangle, turned over unless `even`.
+  /// Adds a triangle. Unless `even`, its winding is reversed.
   void Add(std::uint32_t a, std::uint32_t b, std::uint32_t c, bool even) {
     if (!even) std::swap(b, c);
     mesh_.triangles.push_back({a, b, c});
   }
 
-  /// Index of the vertex on the edge between two corners of a cube; created at the first call. The corners of
-  /// an edge differ by a set of axes, which identifies the edge together with the lower corner.
+  /// Index of the vertex on the edge between two corners of a cube; created at the first call. An edge is
+  /// identified by its lower corner and the set of axes along which its corners differ.
   std::uint32_t Cut(std::size_t cube, int a, int b) {
     const int low = a & b, along = a ^ b;
     std::uint32_t& vertex = cuts_[7 * Corner(cube, low) + along - 1];
@@ -132,7 +134,8 @@ class Marching {
       const double middle = 0.5 * (in + out);
       (level_(p_in + middle * (p_out - p_in)) < 0.0 ? in : out) = middle;
     }
-    constexpr double kFromEnds = 0.05;  // smallest distance to the edge's ends, over its length
+    // smallest distance of a vertex from the edge's ends, divided by the edge's length
+    constexpr double kFromEnds = 0.05;
     const double s = std::clamp(0.5 * (in + out), kFromEnds, 1.0 - kFromEnds);
     vertex = static_cast<std::uint32_t>(mesh_.vertices_m.size());
     mesh_.vertices_m.push_back(p_in + s * (p_out - p_in));
@@ -144,7 +147,7 @@ class Marching {
   double step_m_;
   int rounds_;
   std::array<std::size_t, 3> size_{};
-  std::vector<double> values_;       // of the level function, at each vertex of the grid
+  std::vector<double> values_;       // level function at each vertex of the grid
   std::vector<std::uint32_t> cuts_;  // vertices of the mesh on the seven edges from each vertex of the grid
   TriangleMesh mesh_;
 };
@@ -173,7 +176,7 @@ TriangleMesh MeshOfRings(const std::vector<Ring>& rings) {
       mesh.triangles.push_back({at(k, i), at(k, i + 1), at(k + 1, i + 1)});
       mesh.triangles.push_back({at(k, i), at(k + 1, i + 1), at(k + 1, i)});
     }
-  // closes an end by a fan around the mean of the ring's points
+  // closes an end of the tube by a fan around the mean of its ring's points
   const auto cap = [&](std::size_t ring, bool last) {
     Vector3 middle = Vector3::Zero();
     for (const Vector3& p : rings[ring]) middle += p;

@@ -7,7 +7,8 @@
 
 namespace osteon::simulation {
 
-/// Value of a shape at p [any unit]: negative inside, continuous.
+/// Level function of a shape: its value at p is negative inside and positive outside. It is continuous, in
+/// any unit.
 using LevelFunction = std::function<double(const Vector3& p_m)>;
 
 /// Meshes the surface where `level` is zero: marching tetrahedra on a cubic grid, six tetrahedra a cube.
@@ -17,9 +18,10 @@ using LevelFunction = std::function<double(const Vector3& p_m)>;
 /// stays within its tetrahedron. The vertices lie on the surface (bisection along the edges, by default to
 /// 1e-6 of the step), except near the grid's own vertices: from these they are moved away by up to a
 /// twentieth of the step to avoid needle-like triangles. Features thinner than the step may be lost.
-/// @param box  must hold the surface with one step to spare; @param step_m  edge of the grid's cubes
-/// @param rounds  of the bisection: each halves the error of the vertices
-/// @throws std::invalid_argument where the shape reaches the box's border, is empty, or the grid would have
+/// @param box  must hold the surface with one step to spare
+/// @param step_m  edge of the grid's cubes
+/// @param rounds  number of bisections; each one halves the error of the vertices
+/// @throws std::invalid_argument if the shape reaches the box's border or is empty, or the grid would have
 ///   more than 50 million vertices.
 [[nodiscard]] TriangleMesh MeshOfLevel(const LevelFunction& level, const Eigen::AlignedBox3d& box,
                                        double step_m, int rounds = 20);
@@ -27,8 +29,8 @@ using LevelFunction = std::function<double(const Vector3& p_m)>;
 /// A ring of points. All rings of a mesh have the same number of points.
 using Ring = std::vector<Vector3>;
 
-/// Makes the tube through a row of rings, closed by fans over the first and the last ring. Each ring is
-/// counter-clockwise seen from where the row leads (+z for rings in ascending z).
+/// Makes the tube through a row of rings, closed by fans over the first and the last ring. Seen from the end
+/// of the row, each ring runs counter-clockwise (seen from +z for rings in ascending z).
 /// @throws std::invalid_argument unless there are at least two rings, all of the same number of points, at
 ///   least three.
 [[nodiscard]] TriangleMesh MeshOfRings(const std::vector<Ring>& rings);

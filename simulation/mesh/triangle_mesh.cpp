@@ -10,7 +10,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// True where the triangles are in the bounds of coordinates and size, and only how they join was refused.
+/// True if the refused mesh can be remade: its coordinates and size are accepted, and only the way its
+/// triangles join was refused.
 bool MayBeRemade(MeshErrorKind kind) {
   return kind == MeshErrorKind::kOpen || kind == MeshErrorKind::kNonManifold ||
          kind == MeshErrorKind::kOrientation || kind == MeshErrorKind::kContradictory ||
@@ -29,7 +30,7 @@ tl::expected<LoadedMesh, MeshError> LoadMesh(const std::filesystem::path& path, 
 
   MeshReport report;
   PartedMesh parted = WeldParts(*raw, 1e-3 * params.scale, report);
-  WeldOpenEdges(parted, 0.0, report);  // joins a surface spread over several groups
+  WeldOpenEdges(parted, 0.0, report);  // joins the groups of a surface that is spread over several groups
   auto accepted = AcceptMesh(parted, report, name);
   if (accepted) return accepted;
   if (accepted.error().kind == MeshErrorKind::kOpen && params.weld_tolerance_m > 0.0) {

@@ -11,8 +11,8 @@ namespace osteon::simulation {
 namespace {
 
 constexpr std::int32_t kNoChild = std::numeric_limits<std::int32_t>::max();
-constexpr std::uint32_t kOfLeaf = 4;  // triangles of a leaf, at most
-// Rounding error of floats, relative.
+constexpr std::uint32_t kOfLeaf = 4;  // largest number of triangles in a leaf
+// Relative rounding error of a float.
 constexpr double kFloat = std::numeric_limits<float>::epsilon();
 
 /// Nearest point of a triangle, and the feature on which it lies.
@@ -40,11 +40,12 @@ Feature NearestOnTriangle(const Vector3& p, const Vector3& a, const Vector3& b, 
   if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
     return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), TriangleFeature::kEdge1};
   const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return {a, TriangleFeature::kCorner0};  // a sliver; its neighbours' edges are as near
+  if (!(sum > 0.0))
+    return {a, TriangleFeature::kCorner0};  // no area: a neighbour with a common edge is as near
   return {a + vb / sum * ab + vc / sum * ac, TriangleFeature::kFace};
 }
 
-// The last search of a thread in a tree.
+// Result of the last search that a thread made in a tree.
 struct Found {
   std::uint64_t tree{0};
   std::uint32_t triangle{0};  ///< in the tree's order
@@ -100,7 +101,7 @@ std::int32_t TriangleTree::MakeLeaf(std::uint32_t first, std::uint32_t end) {
     const auto radius_around = [&](const Vector3& p) {
       return std::sqrt(std::max({(a - p).squaredNorm(), (b - p).squaredNorm(), (c - p).squaredNorm()}));
     };
-    // the longest edge's middle is better than the centroid where the triangle is obtuse
+    // for an obtuse triangle, the middle of the longest edge gives a smaller disc than the centroid
     Vector3 center = (a + b + c) / 3.0;
     for (const Vector3& middle : {Vector3(0.5 * (a + b)), Vector3(0.5 * (b + c)), Vector3(0.5 * (c + a))})
       if (radius_around(middle) < radius_around(center)) center = middle;
@@ -154,14 +155,14 @@ struct TriangleTree::Search {
 
   const TriangleTree& tree;
   Vector3 p_m;
-  Eigen::Vector3f q_m;  ///< the point from middle_m_
-  double slack_m;  ///< bound on the boxes' and the point's displacement by rounding to float, with a margin
+  Eigen::Vector3f q_m;  ///< p_m relative to middle_m_
+  double slack_m;       ///< bound, with a margin, on the errors of boxes and point by rounding to float
   TriangleHit hit;
-  std::uint32_t triangle{0};  ///< the hit, in the tree's order
+  std::uint32_t triangle{0};  ///< index of the hit in triangles_
   float limit_m2{0.0f};       ///< squared distance within which a box may hold a nearer triangle
 
-  /// Takes the triangle if it is nearer than all before; among equally near ones the first of the mesh
-  /// counts.
+  /// Makes triangle i of triangles_ the hit if it is nearer than the hit so far. Of equally near triangles,
+  /// the first in the mesh counts.
   void Take(std::uint32_t i) {
     const Triangle& t = tree.triangles_[i];
     const Feature nearest = NearestOnTriangle(p_m, t.corners_m[0], t.corners_m[1], t.corners_m[2]);
@@ -189,7 +190,8 @@ struct TriangleTree::Search {
     }
     Eigen::Map<Pack, Eigen::Aligned16>(distances_m2.data()) = sum;
   }
-  /// Lower bounds of the squared distances to a leaf's discs: along the normal, and beside the disc.
+  /// Lower bounds of the squared distances to a leaf's discs: the squared distance from the disc's plane plus
+  /// the squared distance from its rim within the plane.
   void Measure(const Leaf& leaf, Four& distances_m2) const {
     Pack along = Pack::Zero(), squared = Pack::Zero();
     for (int axis = 0; axis < 3; ++axis) {
@@ -199,7 +201,7 @@ struct TriangleTree::Search {
     }
     along *= along;
     const Pack beside = ((squared - along).max(0.0f).sqrt() - Of(leaf.radius)).max(0.0f);
-    constexpr float kRounding = 4e-6f;  // several times that of the sums and of the normal
+    constexpr float kRounding = 4e-6f;  // several times the rounding error of the sums and of the normal
     Eigen::Map<Pack, Eigen::Aligned16>(distances_m2.data()) = along + beside * beside - kRounding * squared;
   }
 
@@ -217,8 +219,8 @@ struct TriangleTree::Search {
       float distance_m2;
       std::int32_t node;
     };
-    // Each level adds at most three open nodes, and a node has a quarter of its parent's triangles: 64
-    // suffice.
+    // 64 entries suffice: each level of the tree adds at most three open nodes, and a node has only a quarter
+    // of its parent's triangles.
     std::array<Open, 64> open;
     int count = 1;
     open[0] = {0.0f, 0};
@@ -245,7 +247,8 @@ struct TriangleTree::Search {
 };
 
 TriangleHit TriangleTree::Nearest(const Vector3& p_m) const {
-  // One place for each of a few trees: a solid asks its boundary and its regions in turn.
+  // Remembers one search for each of a few trees, because a solid queries its boundary and its regions in
+  // turn.
   constexpr std::size_t kTrees = 8;
   thread_local std::array<Found, kTrees> found;
   Found& last = found[id_ % kTrees];
@@ -258,8 +261,8 @@ TriangleHit TriangleTree::Nearest(const Vector3& p_m) const {
                 .hit = {}};
   search.hit.distance_m = std::numeric_limits<double>::infinity();
   search.Limit();
-  // The triangle found last bounds the search: most points are near the one before. Any triangle gives the
-  // same result.
+  // Start with the triangle found last: most points are near the point before, so this bounds the search
+  // well. The result does not depend on the triangle with which the search starts.
   if (again) search.Take(last.triangle);
   search.Descend();
   last = {.tree = id_, .triangle = search.triangle, .p_m = p_m, .hit = search.hit};

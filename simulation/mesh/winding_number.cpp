@@ -10,9 +10,11 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::uint32_t kMaxLeaf = 6;  // triangles of a group that is not divided
-constexpr double kFar = 2.0;           // a group farther away than this times its radius counts by its series
-constexpr std::size_t kMaxDepth = 64;  // each division halves the triangles: 2^32 of them need 32
+constexpr std::uint32_t kMaxLeaf = 6;  // largest number of triangles in a group that is not divided
+// the series is used for a group that is farther away than this times its radius
+constexpr double kFar = 2.0;
+// each division halves the number of triangles: 2^32 triangles need 32 divisions
+constexpr std::size_t kMaxDepth = 64;
 
 }  // namespace
 
@@ -72,7 +74,7 @@ double WindingNumber::At(const Vector3& p_m) const {
   std::array<std::uint32_t, kMaxDepth> waiting{};
   std::size_t count = 0;
   waiting[count++] = 0;
-  double exact = 0.0, far = 0.0;  // near triangles; far groups, times 4 pi
+  double exact = 0.0, far = 0.0;  // sums of the near triangles, and of the far groups times 4 pi
   while (count > 0) {
     const std::uint32_t index = waiting[--count];
     const Group& group = groups_[index];

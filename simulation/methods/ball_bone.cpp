@@ -17,7 +17,7 @@ std::vector<Ball> AsBalls(std::span<const MassPoint> points) {
 MaterialIndex NearestMaterial(std::span<const MassPoint> points, const LiveTree& tree, const Vector3& p_m) {
   MaterialIndex material = 0;
   double nearest_m = std::numeric_limits<double>::infinity();
-  // double the reach until the nearest point is certainly within it
+  // double the search radius until it is at least the distance of the nearest point found
   for (double reach_m = 1e-3; reach_m < 1.0 && nearest_m > reach_m; reach_m *= 2.0)
     tree.ForEachNear(p_m, reach_m, 0.0, [&](std::uint32_t i) {
       const double distance_m = (Vector3(points[i].p_m) - p_m).norm();

@@ -10,20 +10,21 @@
 
 namespace osteon::simulation {
 
-/// Converts mass points to balls without a radius, for a LiveTree.
+/// Converts mass points to balls of radius 0, for a LiveTree.
 [[nodiscard]] std::vector<Ball> AsBalls(std::span<const MassPoint> points);
-/// Material of the mass point nearest to p, within a metre; 0 without one. @param tree  over these points
+/// Material of the mass point nearest to p; 0 if there is none within a metre.
+/// @param tree  over these points
 [[nodiscard]] MaterialIndex NearestMaterial(std::span<const MassPoint> points, const LiveTree& tree,
                                             const Vector3& p_m);
 
-/// The bone of the methods with balls: balls that shrink, mass points that are cleared once, and trees to
-/// find both. In G.
+/// The bone for the methods with balls, in G: balls that shrink, mass points that are cleared, and a search
+/// tree for each.
 class BallBone {
  public:
-  /// @param solid  gives each ball's density; null: the nearest mass point gives the density
+  /// @param solid  gives the density of each ball; null: each ball has the density of the nearest mass point
   BallBone(const Bone& bone, const Solid* solid);
 
-  /// A ball in its present state; radius 0: gone.
+  /// The present state of a ball; radius 0: the ball is gone.
   struct LiveBall {
     Vector3 center_m;
     double radius_m;
@@ -42,25 +43,26 @@ class BallBone {
                            [&](std::uint32_t i) { visit(i, balls_[i]); });
   }
 
-  /// Calls visit(point) for each remaining mass point between the two distances from p, and for some points
-  /// beyond them.
+  /// Calls visit(point) for each remaining mass point with a distance from p between inner_m and outer_m, and
+  /// for some other points.
   template <typename Visit>
   void ForEachPointInShell(const Vector3& p_m, double inner_m, double outer_m, const Visit& visit) const {
     point_tree_.ForEachNear(p_m, outer_m, inner_m, [&](std::uint32_t i) { visit(points_[i]); });
   }
 
-  /// Moves a ball and sets its radius; a ball without a radius is gone.
+  /// Sets a ball's centre and radius. Radius 0 removes the ball.
   void Replace(std::uint32_t index, const Vector3& center_m, double radius_m);
-  /// Applies the corrected equation 5 (ShrinkBall) along a capsule to all balls; clears the points in it.
+  /// Removes a capsule from the bone: shrinks all balls that it touches by the corrected equation 5
+  /// (ShrinkBall), and clears the mass points in it.
   void Cut(const Vector3& a, const Vector3& b, double radius_m,
            std::array<double, kMaxMaterials>& removed_m3);
-  /// Clears the points in a capsule, and adds their volumes.
+  /// Clears the mass points in a capsule, and adds their volumes to removed_m3.
   void ClearPoints(const Vector3& a, const Vector3& b, double radius_m,
                    std::array<double, kMaxMaterials>& removed_m3);
 
-  /// Stores balls and cleared points in a state, and takes them from it.
+  /// Writes balls and cleared points into a state; Load reads them back.
   void Save(CarvedState& state) const;
-  /// @throws std::invalid_argument where the state belongs to another bone.
+  /// @throws std::invalid_argument if the state belongs to another bone.
   void Load(const CarvedState& state);
 
  private:

@@ -16,8 +16,8 @@ class BallMethod : public MethodBase {
              const CuttingParams& params)
       : MethodBase(method, bone, tool, X_WG, params), bone_(bone, solid) {}
 
-  /// Adds to `frame` the engaged area, from the mass points within the engaged layer of the cutting balls'
-  /// surface.
+  /// Adds the engaged area to `frame`. It is measured from the mass points within the engaged layer at the
+  /// cutting balls' surfaces.
   void MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const;
   void SaveBone(CarvedState& state) const final { bone_.Save(state); }
   void LoadBone(const CarvedState& state) final { bone_.Load(state); }

@@ -16,7 +16,7 @@ LiveTree::LiveTree(std::span<const Ball> items)
   SortAlongMortonCurve(order_, bounds, [&](std::uint32_t item) { return Vector3(items[item].center_m); });
   for (std::size_t i = 0; i < order_.size(); ++i) place_[order_[i]] = static_cast<std::uint32_t>(i);
 
-  // number of nodes above `count` items or nodes
+  // number of nodes needed on the level above `count` items or nodes
   const auto groups = [](std::size_t count) { return (count + kChildren - 1) / kChildren; };
   levels_.emplace_back(groups(items.size()));
   for (std::size_t i = 0; i < order_.size(); ++i) {

@@ -10,9 +10,9 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
 
-// The methods that the cutting engine is compared with. Each is built as its authors describe it, and states
-// every parameter in its own header. Each has the data structures of a competent implementation, since speed
-// is compared too.
+// Other cutting methods, with which the cutting engine is compared. Each method follows its authors'
+// description; its header states every parameter. Speed is compared, too, so each method has the data
+// structures of a competent implementation.
 //
 //     kPaperPrinted    paper_engine.h       Kaluschke et al. 2019, equations 1 to 5 as they are printed
 //     kPaperCorrected  paper_engine.h       the same structure, with corrected equations
@@ -28,32 +28,36 @@ enum class Method : std::uint8_t { kPaperPrinted, kPaperCorrected, kPointshell, 
 inline constexpr std::array kMethods{Method::kPaperPrinted, Method::kPaperCorrected, Method::kPointshell,
                                      Method::kVoxelProxy, Method::kStamps};
 
-/// "paper-printed", "paper", "pointshell", "voxel", "stamps": names in commands, charts and tables.
+/// "paper-printed", "paper", "pointshell", "voxel", "stamps": the method's name in commands, charts and
+/// tables.
 [[nodiscard]] std::string_view MethodName(Method method);
 
-/// Parameters of a method beyond CuttingParams. Balls and mass points come with the bone: the paper's
-/// packings are disjoint (disjoint_packing.h), stamps take any packing.
+/// Parameters of a method in addition to CuttingParams. The packing is given with the bone: the paper's
+/// methods expect a disjoint one (disjoint_packing.h), kStamps accepts any.
 struct MethodParams {
   double voxel_m{0.25e-3};          ///< edge of a voxel (kPointshell, kVoxelProxy), 0.01 … 5 mm
-  double point_spacing_m{0.25e-3};  ///< between the tool's points (kPointshell), 0.01 … 5 mm; VPS: one voxel
+  double point_spacing_m{0.25e-3};  ///< spacing of the tool's points (kPointshell), 0.01 … 5 mm; in VPS equal
+                                    ///< to the voxel's edge
 };
 
 /// A cutting engine whose remaining bone can be measured.
 ///
 /// As with every engine, Step never throws, reports an input that is not IsUsable as kBadInput, and gives
-/// equal bits for equal inputs. A method counts removed volume and mass by its mass points where it has
-/// balls, otherwise by its voxels. A snapshot of a voxel method has no balls, and `cleared` refers to its
-/// voxels.
+/// equal bits for equal inputs. A method with balls sums up removed volume and mass over its mass points, a
+/// voxel method over its voxels. The carved state of a voxel method has no balls, and its `cleared` refers to
+/// the voxels.
 class MethodEngine : public CuttingEngine {
  public:
-  /// The remaining bone as this method represents it. A copy that does not change while the engine goes on.
+  /// A copy of the remaining bone in this method's representation. It does not change when the engine
+  /// continues.
   [[nodiscard]] virtual std::unique_ptr<CarvedShape> Shape() const = 0;
   /// Number of balls or voxels that the bone has at the start.
   [[nodiscard]] virtual std::size_t ElementCount() const = 0;
 };
 
 /// Makes a compared method.
-/// @param bone   its balls and mass points; a voxel method without a solid fills the union of the balls
+/// @param bone  balls and mass points; without a solid, a voxel method fills the union of the balls with
+///   voxels
 /// @param solid  the solid that a voxel method fills with voxels, or null; used only during the call
 /// @throws std::invalid_argument naming what was found and what is accepted: a tool without a cutting ball,
 ///   more than kMaxMaterials materials, sizes outside their ranges, a volume of more than 2^31 voxels.

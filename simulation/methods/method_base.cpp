@@ -33,7 +33,7 @@ ContactModel MethodBase::Step(const FrameInput& input) {
   if (!memory_.has_proxy) memory_.X_GP = X_GT;
   const MethodFrame frame = Solve(memory_.X_GP, X_GT, input);
 
-  // keep the proxy, and add up the removed volumes
+  // store the proxy for the next frame, and add up the removed volumes
   memory_.X_GP = frame.X_GP;
   memory_.has_proxy = true;
   ++memory_.frame;
@@ -90,16 +90,17 @@ void MethodBase::Restore(const CarvedState& state) {
   memory_ = ToMemory(state);
 }
 
-// Measures as the reference engine does: volume within a layer of the nearest cutting ball's surface, divided
-// by the layer's depth.
+// Measures the area as the reference engine does: the item's volume, if it lies in a layer at the surface of
+// the nearest cutting ball, divided by the layer's depth.
 void MethodBase::AddEngaged(const EngagedItem& item, double layer_m, std::size_t found_by,
                             const ToolPoints& at, const Vector3& spindle_axis, MethodFrame& frame) const {
-  // an earlier ball has counted this item already
+  // skip an item that was already counted for a ball with a lower index
   for (std::size_t t = 0; t < found_by; ++t)
     if (tool_.balls[t].cutting && std::abs((item.p_m - at[t]).norm() - tool_.balls[t].radius_m) < layer_m)
       return;
   double nearest_gap_m = layer_m;
-  double projection = 0.0;  // cosine between the nearest ball's surface there and the contact's plane
+  // cosine of the angle between the nearest ball's surface at the item and the contact's plane
+  double projection = 0.0;
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;
     const Vector3 out = item.p_m - at[t];

@@ -10,9 +10,10 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kStandOff_m = 1e-6;  ///< the printed proxy's distance from its contact
+/// Distance before the contact at which the proxy of the printed method stops
+constexpr double kStandOff_m = 1e-6;
 
-// Pose with the given origin whose rotation is `share` of the way between two poses' rotations.
+// Pose with the given origin and a rotation between those of two poses, at the fraction `share` of the turn.
 Pose Turned(const Pose& from, const Pose& to, double share, const Vector3& origin) {
   Pose X = Pose::Identity();
   const Eigen::Quaterniond a(from.linear()), b(to.linear());
@@ -32,9 +33,9 @@ MethodFrame PaperEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   return printed_ ? SolvePrinted(X_GP, X_GT, input) : SolveCorrected(X_GP, X_GT, input);
 }
 
-// ---- as corrected
+// ---- the corrected method
 
-// Smallest fraction over all pairs; among equal ones the first tool ball's.
+// Finds the smallest fraction over all pairs; of equal fractions, that of the first tool ball.
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindTouch(const ToolPoints& from, const ToolPoints& to,
                                                               double tolerance_m) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};
@@ -49,7 +50,8 @@ std::optional<PaperEngine::FirstTouch> PaperEngine::FindTouch(const ToolPoints& 
   return first.fraction <= 1.0 ? std::optional(first) : std::nullopt;
 }
 
-// Lens-weighted normal over the contact ball and the tool balls that overlap it, all enlarged by e.
+// Normal of the contact ball and the tool balls that overlap it, all enlarged by e, weighted by the volumes
+// of their intersections with bone balls.
 Vector3 PaperEngine::Normal(const ToolPoints& at, std::size_t contact_ball) const {
   const double e = params_.normal_enlargement_m, r_c = tool_.balls[contact_ball].radius_m + e;
   Vector3 n = Vector3::Zero();
@@ -80,7 +82,7 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   const auto touch = FindTouch(start, goal, 0.0);
   if (!touch) return frame;
 
-  // the contact: its plane, and the distance of the requested pose beyond it
+  // the contact: its plane, and the depth of the tool's pose beyond this plane
   frame.contact_fraction = touch->fraction;
   const std::size_t c = touch->tool_ball;
   const ToolPoints contact = InterpolatePoints(start, goal, touch->fraction);
@@ -91,7 +93,8 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   frame.point_m = goal[c] - tool_.balls[c].radius_m * frame.n;
   PushAlongNormal(goal.back(), frame);
 
-  // slide along the plane: search the first contact again, towards the device's pose projected onto the plane
+  // Slide along the plane: search the first contact again on the path to the device's pose, projected onto
+  // the plane.
   ToolPoints target = goal;
   for (Vector3& point : target) point += frame.depth_m * frame.n;
   double longest_path_m = 0.0;
@@ -99,14 +102,15 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
     longest_path_m = std::max(longest_path_m, (target[t] - contact[t]).norm());
   const double max_slide_m = MaxSlide(params_, input);
   double slide = longest_path_m > max_slide_m ? max_slide_m / longest_path_m : 1.0;
-  // with a tolerance, a turning tool would cut that depth in every frame, whatever the law
+  // no tolerance while the spindle turns: the tool would cut by the tolerance in every frame, whatever the
+  // cutting law
   const bool cutting = input.spindle_rad_per_s != 0.0;
   if (const auto stop = FindTouch(contact, target, cutting ? 0.0 : params_.contact_tolerance_m))
     slide = std::min(slide, stop->fraction);
   const ToolPoints slid = InterpolatePoints(contact, target, slide);
 
-  // removal: kImmediate up to the device's pose; kRate along the slide, then into the bone by the law's
-  // advance
+  // Removal by kImmediate: from the contact to the device's pose. By kRate: along the slide, then into the
+  // bone by the law's advance.
   if (cutting && frame.touch_cuts) MeasureEngagement(contact, X_GT.linear().col(2), frame);
   Advance(input, slide * longest_path_m, frame);
   if (cutting) {
@@ -126,9 +130,9 @@ MethodFrame PaperEngine::SolveCorrected(const Pose& X_GP, const Pose& X_GT, cons
   return frame;
 }
 
-// ---- as printed
+// ---- the printed method
 
-// Finds the pair with the smallest distance, not with the smallest fraction.
+// Finds the pair with the smallest travelled distance, not with the smallest fraction of the path.
 std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolPoints& from,
                                                                      const ToolPoints& to) const {
   FirstTouch first{.fraction = kNoContact, .tool_ball = 0};
@@ -146,7 +150,8 @@ std::optional<PaperEngine::FirstTouch> PaperEngine::FindPrintedTouch(const ToolP
   return first.fraction <= 1.0 ? std::optional(first) : std::nullopt;
 }
 
-// Equation 4 over the contact sphere with twice its radius and the tool spheres whose centres lie within it.
+// Equation 4, summed over the contact sphere with twice its radius and the tool spheres whose centres lie in
+// this enlarged sphere.
 Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_ball) const {
   const double enlarged = 2.0 * tool_.balls[contact_ball].radius_m;
   Vector3 n = Vector3::Zero();
@@ -156,7 +161,7 @@ Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_bal
     bone_.ForEachBallNear(at[t], at[t], r_t, [&](std::uint32_t, const BallBone::LiveBall& ball) {
       const Vector3 out = at[t] - ball.center_m;
       const double d = out.norm();
-      if (d > 0.0)  // the printed equation takes millimetres
+      if (d > 0.0)  // the printed equation is evaluated in millimetres
         n += printed::LensVolume(1e3 * r_t, 1e3 * ball.radius_m, 1e3 * d) * ball.density_kg_per_m3 / d * out;
     });
   }
@@ -164,7 +169,7 @@ Vector3 PaperEngine::PrintedNormal(const ToolPoints& at, std::size_t contact_bal
   return size > 0.0 ? Vector3(n / size) : Vector3::Zero();
 }
 
-// Equation 5, in millimetres, for the bone balls that the contact sphere meets between a and b.
+// Equation 5, in millimetres, for the bone balls that the contact sphere touches on its path from a to b.
 void PaperEngine::PrintedRemoval(const Vector3& a, const Vector3& b, double radius_m, MethodFrame& frame) {
   bone_.ForEachBallNear(a, b, radius_m, [&](std::uint32_t i, const BallBone::LiveBall& ball) {
     const Vector3 d_c = ClosestOnSegment(ball.center_m, a, b) - ball.center_m;

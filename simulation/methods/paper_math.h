@@ -7,20 +7,20 @@
 
 // Equations 3 to 5 of Kaluschke et al. (IEEE VR 2019) as they are printed, errors included; cutting_math.h
 // has the corrected ones. Lengths here are in millimetres, since equations 4 and 5 depend on the unit and the
-// paper names none. The unit is assumed as the one that does least harm at a bone's scale (in metres,
-// equation 4 has the sign of r_t - r_b alone).
+// paper names none. Millimetres are assumed, as the unit with the smallest errors at a bone's scale (in
+// metres, the sign of equation 4 is that of r_t - r_b).
 
 namespace osteon::simulation::printed {
 
-/// Equation 3: the "contact distance", which is a fraction of the path. A root that is not positive is no
-/// contact.
+/// Equation 3: the "contact distance", which is really a fraction of the path. A root that is not positive
+/// counts as no contact.
 ///
 ///     d = [ 2 (Δc·m) - sqrt(4 (m·Δc)² - 4 m² (Δc² - R²)) ] / (2 m²)
 ///
 /// @param dc  Δc, from the tool ball's centre to the bone ball's. @param m  the tool ball's path.
 /// @param R   sum of the two radii
-/// @returns the fraction, or a negative number where there is no positive root up to the path's end, or no
-///   path to divide by. Pairs that overlap have no positive first root and are dropped.
+/// @returns the fraction; or a negative number if there is no positive root up to the path's end, or the path
+///   has no length. The first root of an overlapping pair is not positive, so such pairs are dropped.
 [[nodiscard]] inline double ContactFraction(const Vector3& dc, const Vector3& m, double R) {
   const double mm = m.squaredNorm(), dm = dc.dot(m);
   const double discriminant = 4.0 * dm * dm - 4.0 * mm * (dc.squaredNorm() - R * R);
@@ -29,8 +29,8 @@ namespace osteon::simulation::printed {
   return d > 0.0 && d <= 1.0 ? d : -1.0;
 }
 
-/// Equation 4: two squares are missing in print, so it is no volume, and it is negative where the bone's ball
-/// is much larger than the tool's.
+/// Equation 4, the weight V of a pair. Two squares are missing in print, so V is no volume, and it becomes
+/// negative if the bone's ball is much larger than the tool's.
 ///
 /// @param r_t, r_b  radii of the tool's and the bone's ball. @param d  distance of their centres
 ///
@@ -45,8 +45,9 @@ namespace osteon::simulation::printed {
 ///
 ///     c := c - d_c / (2 |d_c|),   r := r - |d_c| / 2
 ///
-/// The centre moves by half a unit whatever the cut. The nearer the ball is to the tool's axis, the less is
-/// removed; on the axis itself nothing is (there the print divides by zero).
+/// The centre always moves by half a unit, whatever the depth of the cut. The nearer the ball is to the
+/// capsule's axis, the less is removed. On the axis the printed equation divides by zero; here the ball stays
+/// as it is.
 inline void Shrink(Vector3& c, double& r, const Vector3& d_c) {
   const double distance = d_c.norm();
   if (distance <= 0.0) return;

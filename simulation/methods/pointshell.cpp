@@ -18,7 +18,7 @@ Pointshell MakePointshell(const Tool& tool, double spacing_m) {
   Pointshell shell;
   for (std::size_t t = 0; t < tool.balls.size(); ++t) {
     const ToolBall& ball = tool.balls[t];
-    // one point per spacing squared of the ball's surface, at least 12
+    // one point for each square of the spacing on the ball's surface, at least 12 points
     const double wanted = std::max(
         12.0, std::ceil(4.0 * std::numbers::pi * ball.radius_m * ball.radius_m / (spacing_m * spacing_m)));
     if (static_cast<double>(shell.points.size()) + wanted > kMaxPoints)
@@ -41,7 +41,7 @@ Pointshell MakePointshell(const Tool& tool, double spacing_m) {
   Eigen::AlignedBox3d box;
   for (const Pointshell::Point& point : shell.points) box.extend(point.p_m);
   SortAlongMortonCurve(shell.points, box, [](const Pointshell::Point& point) { return point.p_m; });
-  // runs of neighbours along the curve, each with its bounding ball
+  // divide the curve into runs of neighbouring points, each with a bounding ball
   for (std::size_t begin = 0; begin < shell.points.size(); begin += Pointshell::kRun) {
     const std::size_t end = std::min(begin + Pointshell::kRun, shell.points.size());
     Eigen::AlignedBox3d around;

@@ -6,8 +6,9 @@
 
 namespace osteon::simulation {
 
-/// A tool's surface as points with inward normals, in T. Points are in runs of at most kRun along a Morton
-/// curve, each with a bounding ball, so that a run in the air costs one query.
+/// A tool's surface as points with inward normals, in T. The points are sorted along a Morton curve and
+/// divided into runs of at most kRun. Each run has a bounding ball, so that a run in the air costs only one
+/// query.
 struct Pointshell {
   struct Point {
     Vector3 p_m, n;  ///< n: unit, into the tool
@@ -24,8 +25,9 @@ struct Pointshell {
   std::vector<Run> runs;
 };
 
-/// Makes points over the hull of the tool's balls, one per `spacing_m` squared (Fibonacci spirals).
-/// @throws std::invalid_argument where the spacing is not 0.01 … 5 mm, or there would be more than 10 million
+/// Makes points on the outer surface of the union of the tool's balls, one per area of `spacing_m` squared
+/// (Fibonacci spirals).
+/// @throws std::invalid_argument if the spacing is not 0.01 … 5 mm, or there would be more than 10 million
 ///   points.
 [[nodiscard]] Pointshell MakePointshell(const Tool& tool, double spacing_m);
 

@@ -6,8 +6,8 @@
 namespace osteon::simulation {
 namespace {
 
-// Chamfer distance, in thirds of a voxel, to a neighbour that shares a face, an edge, a corner (Borgefors
-// 1986).
+// Chamfer distances to neighbours, in thirds of a voxel (Borgefors 1986). The index is the number of
+// differing coordinates: 1 shares a face, 2 an edge, 3 a corner.
 constexpr int kChamfer[4] = {0, 3, 4, 5};
 
 // Calls visit(neighbour, its chamfer distance) for the 26 voxels around v.
@@ -32,7 +32,7 @@ PointshellEngine::PointshellEngine(const Bone& bone, const Solid* solid, const T
 
 void PointshellEngine::FindLayers() {
   layer_.assign(grid_.slots(), 3 * kLayers);
-  // visit every solid voxel: the search ball holds the whole grid
+  // visit every solid voxel: the search radius covers the whole grid
   const Vector3 middle = grid_.CenterOf({grid_.size()[0] / 2, grid_.size()[1] / 2, grid_.size()[2] / 2});
   const double whole_grid_m = grid_.voxel_m() * (grid_.size()[0] + grid_.size()[1] + grid_.size()[2]);
   changed_.clear();
@@ -113,13 +113,13 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
   Pose X = X_GT;
   X.translation() = X_GP.translation();
 
-  // solve for the balance of coupling and penalty
+  // find the proxy at which the coupling's force and the penalty balance
   Penalty penalty;
   Vector3 pull_N = Vector3::Zero();
   for (int i = 0; i < kNewtonSteps; ++i) {
     pull_N = K * (X_GT.translation() - X.translation());
     double k = K;
-    if (pull_N.norm() > params_.max_force_N) {  // a limited force does not grow with the distance
+    if (pull_N.norm() > params_.max_force_N) {  // a force at its limit has no stiffness
       pull_N *= params_.max_force_N / pull_N.norm();
       k = 0.0;
     }
@@ -129,7 +129,7 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
       X.translation() = X_GT.translation();  // no contact: the proxy follows the hand
       continue;
     }
-    // at least 1 % of the coupling's stiffness, so that the matrix stays invertible
+    // k is at least 1 % of the coupling's stiffness, so that the matrix stays invertible
     const Matrix3 stiffness = std::max(k, 0.01 * K) * Matrix3::Identity() + penalty.stiffness_N_per_m;
     const Vector3 step = stiffness.ldlt().solve(pull_N + penalty.force_N);
     X.translation() += step;
@@ -159,7 +159,7 @@ MethodFrame PointshellEngine::Solve(const Pose& X_GP, const Pose& X_GT, const Fr
     if (params_.law == RemovalLaw::kImmediate) {
       proxy = PlaceTool(tool_, X_GT);
     } else {
-      // the penalty's own penetration must not cut
+      // the depth to which the penalty lets the tool penetrate must not be cut
       inset_m = penalty.deepest_m;
       for (Vector3& point : proxy) point -= frame.advance_m * frame.n;
     }

@@ -12,7 +12,7 @@ StampsEngine::StampsEngine(const Bone& bone, const Solid* solid, const Tool& too
     : BallMethod(Method::kStamps, bone, solid, tool, X_WG, params) {}
 
 // Finds the deepest pair, the mean normal around its tool ball, and the travel along this normal that
-// separates the pair. The travel is limited; a pair that it does not separate is left to the next push.
+// separates the pair. The travel is limited; if it does not separate the pair, the next push continues.
 StampsEngine::Overlap StampsEngine::Deepest(const ToolPoints& at) const {
   Overlap deepest;
   Vector3 pair_direction = Vector3::Zero();
@@ -65,7 +65,7 @@ MethodFrame StampsEngine::Solve(const Pose&, const Pose& X_GT, const FrameInput&
     if (i == 0) first_overlap = overlap;
     for (Vector3& point : free_pose) point += overlap.depth_m * overlap.n;
   }
-  // back to the first contact: pushes go too far where many pairs overlap
+  // move back until the tool just touches, by bisection: pushes go too far if many pairs overlap
   if (free_pose.back() != goal.back() && !Overlaps(free_pose)) {
     ToolPoints blocked = goal;
     for (int i = 0; i < kHalvings; ++i) {

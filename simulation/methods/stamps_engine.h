@@ -4,16 +4,16 @@
 
 namespace osteon::simulation {
 
-/// This project's packing, but tested only at discrete poses: the approach that the paper (paper_engine.h)
-/// contrasts with its continuous detection ("most other methods evaluate the material removal at distinct
+/// A method on this project's packing that tests only discrete poses. The paper (paper_engine.h) contrasts
+/// this approach with its continuous detection ("most other methods evaluate the material removal at distinct
 /// states of the simulation").
 ///
-/// Contact: at the tool's pose, without a path. The deepest pair pushes the tool out along the lens-weighted
-/// normal, up to kPushes times (assumed), until nothing overlaps by more than kFree_m; then kHalvings
-/// halvings bring it back to where it just touches. The distance moved out is the penalty's depth, and K
-/// times it the force. Rotation follows the hand. Removal: one stamp per frame by every cutting ball
-/// (ShrinkBall with a capsule of no length): kImmediate at the tool's pose, kRate at the pushed-out pose
-/// moved along -n by the law's advance.
+/// Contact: only the tool's pose is tested. The deepest pair pushes the tool out along the normal that is
+/// weighted by the volumes of intersection, up to kPushes times (assumed), until no pair overlaps by more
+/// than kFree_m. Then kHalvings bisections move the tool back until it just touches. The force is K times the
+/// distance between this pose and the tool's pose. The proxy's rotation is that of the tool. Removal: every
+/// cutting ball removes one ball (a stamp) per frame (ShrinkBall with a capsule of no length): kImmediate at
+/// the tool's pose, kRate at the pushed-out pose, moved along -n by the law's advance.
 class StampsEngine final : public BallMethod {
  public:
   /// @param solid  see MakeMethod. @throws std::invalid_argument as MakeMethod does.
@@ -22,7 +22,8 @@ class StampsEngine final : public BallMethod {
 
   static constexpr int kPushes = 8, kHalvings = 10;
   static constexpr double kFree_m = 1e-6;
-  /// Smallest cosine between pair and normal in a push: limits its length.
+  /// Smallest cosine of the angle between the pair's direction and the normal that a push uses. It limits the
+  /// push's length.
   static constexpr double kMinCosine = 0.3;
 
  protected:
@@ -36,7 +37,7 @@ class StampsEngine final : public BallMethod {
   };
   /// The pair of tool ball and bone ball that overlaps most; depth 0 where none overlaps.
   [[nodiscard]] Overlap Deepest(const ToolPoints& at) const;
-  /// True where any pair overlaps by more than kFree_m.
+  /// True if any pair overlaps by more than kFree_m.
   [[nodiscard]] bool Overlaps(const ToolPoints& at) const;
 };
 

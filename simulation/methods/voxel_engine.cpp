@@ -36,7 +36,7 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
   }
   if (!something_near || longest_path_m <= 0.0) return march;
   const double step = kStep * grid_.voxel_m() / longest_path_m;
-  double free = 0.0, blocked = 1.0;  // path fractions: the last free one, the first blocked one
+  double free = 0.0, blocked = 1.0;  // fractions of the path: the last free one and the first blocked one
   for (int i = 1;; ++i) {
     const double s = std::min(1.0, i * step);
     if (IsBlocked(InterpolatePoints(from, to, s))) {
@@ -62,7 +62,8 @@ VoxelEngine::March VoxelEngine::MarchTowards(const ToolPoints& from, const ToolP
 
 // Sums the density's gradient over the voxels that stop the tool.
 void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
-  constexpr int kMaxVoxels = 256;  // a pose deep inside has far more, and their mean gives nothing more
+  // limits the time: a pose deep inside is blocked by far more voxels, which hardly change the mean
+  constexpr int kMaxVoxels = 256;
   Vector3 sum = Vector3::Zero();
   int voxels = 0;
   for (std::size_t t = tool_.balls.size(); t-- > 0;) {
@@ -79,7 +80,7 @@ void VoxelEngine::FindNormal(const ToolPoints& at, March& march) const {
     });
   }
   const double size = sum.norm();
-  // otherwise the gradients cancel, and there is no normal
+  // if the gradients cancel, the normal stays zero
   if (size > 1e-9 * voxels) march.n = sum / size;
 }
 
@@ -89,7 +90,7 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   const ToolPoints goal = PlaceTool(tool_, X_GT);
   ToolPoints proxy = PlaceTool(tool_, X_GP);
 
-  // march to the first constraint
+  // march towards the tool's pose until the first plane stops the proxy
   const March first = MarchTowards(proxy, goal);
   proxy = InterpolatePoints(proxy, goal, first.fraction);
   double turned_fraction = first.fraction;
@@ -97,7 +98,8 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
     frame.contact_fraction = first.fraction;
     const Vector3& n1 = first.n;
     if (!n1.isZero()) {
-      // lift the proxy off the plane by the stand-off where that is free; then slide within the plane
+      // lift the proxy off the plane by the stand-off if the lifted pose is free; then slide parallel to the
+      // plane
       ToolPoints lifted = proxy;
       Move(lifted, kStandOff * grid_.voxel_m() * n1);
       if (!IsBlocked(lifted)) proxy = lifted;
@@ -106,7 +108,8 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
       const March second = MarchTowards(proxy, target);
       proxy = InterpolatePoints(proxy, target, second.fraction);
       turned_fraction += (1.0 - turned_fraction) * second.fraction;
-      // a second plane stops the slide: go on along the line of both planes, unless they are parallel
+      // if a second plane stops the slide, continue along the line in which both planes meet, unless they are
+      // parallel
       const Vector3 line = n1.cross(second.n);
       if (second.blocked && line.norm() > 1e-3) {
         const Vector3 along = line.normalized();
@@ -126,7 +129,8 @@ MethodFrame VoxelEngine::Solve(const Pose& X_GP, const Pose& X_GT, const FrameIn
   frame.X_GP.translation() = proxy.back();
 
   const bool cutting = input.spindle_rad_per_s != 0.0;
-  const Vector3 proxy_offset = proxy[first.tool_ball] - goal[first.tool_ball];  // includes the missing turn
+  // the offset also contains the effect of the turn that the proxy has not made
+  const Vector3 proxy_offset = proxy[first.tool_ball] - goal[first.tool_ball];
   if (first.blocked && proxy_offset.norm() > 0.0) {
     frame.touches = true;
     frame.touch_cuts = tool_.balls[first.tool_ball].cutting;

@@ -7,8 +7,8 @@ namespace osteon::simulation {
 /// A voxel volume with a finger-proxy and voxel deletion, as in drilling simulators on CHAI3D (Conti et al.,
 /// CHAI 3D, 2003 on: cVoxelObject, cAlgorithmFingerProxy; proxy after Ruspini, Kolarov, Khatib 1997).
 ///
-///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a voxel's centre lies in a tool
-///              ball; kHalvings bisections then find the contact
+///     proxy ─▶ marches towards the tool, kStep voxels at a time, until a solid voxel's centre lies in a
+///              tool ball; kHalvings bisections then find the contact
 ///           ─▶ normal: gradient of the voxels' density within kGradientReach voxels of those in the tool
 ///              ball
 ///           ─▶ marches on within that plane, then along the line of two such planes: three constraints
@@ -17,10 +17,10 @@ namespace osteon::simulation {
 ///
 /// Parameters: voxel edge (MethodParams::voxel_m); step 1 voxel (CHAI3D marches voxel by voxel); gradient
 /// over two voxels (assumed: CHAI3D's central differences of binary voxels give only 26 directions);
-/// stand-off 1/8 voxel off a plane before sliding (assumed; CHAI3D's epsilon); kMaxSteps steps per march,
-/// after which the proxy lags behind. Improvements on the original: empty bricks of voxels are skipped, so
-/// that a large tool's cost grows with its surface and not its volume; voxels are binary instead of 8 bits of
-/// density. The tool turns along with the march.
+/// stand-off of 1/8 voxel from a plane before sliding (assumed; CHAI3D's epsilon); at most kMaxSteps steps
+/// per march, so the proxy of a fast tool lags behind. Improvements on the original: empty bricks of voxels
+/// are skipped, so that a large tool's cost grows with its surface and not its volume; voxels are binary
+/// instead of 8 bits of density. The tool turns along with the march.
 class VoxelEngine final : public VoxelMethod {
  public:
   /// @throws std::invalid_argument as MakeMethod does.
@@ -40,11 +40,11 @@ class VoxelEngine final : public VoxelMethod {
     std::size_t tool_ball{0};    ///< the ball that was stopped
     Vector3 n{Vector3::Zero()};  ///< normal there; zero where the density has no gradient
   };
-  /// True where a solid voxel's centre lies in a tool ball.
+  /// True if a solid voxel's centre lies in a tool ball.
   [[nodiscard]] bool IsBlocked(const ToolPoints& at) const;
-  /// Moves the tool from one place towards another until it is blocked.
+  /// Moves the tool from `from` towards `to` until it is blocked.
   [[nodiscard]] March MarchTowards(const ToolPoints& from, const ToolPoints& to) const;
-  /// Sets normal and tool ball of a march that is blocked with the tool at `at`.
+  /// Sets normal and tool ball of a march that was blocked with the tool at `at`.
   void FindNormal(const ToolPoints& at, March& march) const;
 };
 

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kMaxVoxels = 2147483648.0;  ///< 2^31
 
-// Shape and material of a bone that has no exact solid: a point is inside if a ball holds it, and has the
-// nearest mass point's material.
+// Shape and material of a bone without an exact solid. A point is inside if it lies in a ball. Its material
+// is that of the nearest mass point.
 class UnionOfBalls {
  public:
   explicit UnionOfBalls(const Bone& bone)
@@ -35,7 +35,7 @@ class UnionOfBalls {
   LiveTree tree_;
 };
 
-// Box around the solid, or around the bone's balls without a solid.
+// Box around the solid; without a solid, around the bone's balls.
 Eigen::AlignedBox3d BoundsOf(const Bone& bone, const Solid* solid) {
   if (solid) return solid->Bounds();
   Eigen::AlignedBox3d box;
@@ -81,21 +81,22 @@ VoxelGrid::VoxelGrid(const Bone& bone, const Solid* solid, double voxel_m) : vox
 void VoxelGrid::Fill(const Bone& bone, const Solid* solid) {
   const std::unique_ptr<UnionOfBalls> balls = solid ? nullptr : std::make_unique<UnionOfBalls>(bone);
   const bool one_material = bone.materials.size() < 2;
-  // from a brick's centre to its farthest voxel
+  // distance from a brick's centre to the centre of its farthest voxel
   const double reach_m = 0.5 * std::sqrt(3.0) * (kBrick - 1) * voxel_m_;
-  // by brick: its voxels' materials where there are several, otherwise empty
+  // for each brick: the materials of its voxels if there are several materials, otherwise empty
   std::vector<std::vector<MaterialIndex>> materials(brick_material_.size());
   const auto fill = [&](std::size_t begin, std::size_t end) {
-    std::vector<MaterialIndex> found(512);  // by voxel of one brick
+    std::vector<MaterialIndex> found(512);  // materials of one brick's voxels
     for (std::size_t b = begin; b < end; ++b) {
       const auto bx = static_cast<std::int32_t>(b % bricks_[0]),
                  by = static_cast<std::int32_t>(b / bricks_[0] % bricks_[1]),
                  bz = static_cast<std::int32_t>(b / bricks_[0] / bricks_[1]);
-      double depth_m = 0.0;  // depth of the brick's centre, where a solid gives it
+      double depth_m = 0.0;  // depth of the brick's centre in the solid; 0 without a solid
       if (solid) {
         const Vector3 low = CenterOf({bx * kBrick, by * kBrick, bz * kBrick});
         depth_m = -solid->SignedDistance(low + Vector3::Constant(0.5 * (kBrick - 1) * voxel_m_));
-        if (depth_m < -reach_m) continue;  // then every voxel is in the air, since |gradient| <= 1
+        if (depth_m < -reach_m)
+          continue;  // every voxel is in the air: a distance changes by at most the way between two points
       }
       bool first = true, several = false;
       for (std::int32_t z = 0; z < kBrick; ++z)
@@ -153,7 +154,7 @@ void VoxelGrid::Delete(const VoxelIndex& v) {
 }
 
 bool VoxelGrid::AnyBrickNear(const Vector3& p_m, double reach_m) const {
-  // ForEachBrick returns false where a visit ended it: at the first brick that is found
+  // ForEachBrick returns false if a visit returned false, which the visit of the first brick found does
   return !ForEachBrick((p_m - first_center_m_) / voxel_m_, reach_m / voxel_m_, 0.0,
                        [](std::int32_t, std::int32_t, std::int32_t) { return false; });
 }

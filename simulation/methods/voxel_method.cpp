@@ -14,12 +14,12 @@ class VoxelShape final : public CarvedShape {
   explicit VoxelShape(const VoxelGrid& grid) : grid_(grid) {}
 
   [[nodiscard]] double Distance(const Vector3& p_G, double at_most_m) const override {
-    // slightly wider, so that rounding leaves no gap between two cubes
+    // half the edge of a cube, slightly widened, so that rounding leaves no gap between two cubes
     const double half = (0.5 + 1e-9) * grid_.voxel_m(), corner = std::sqrt(3.0) * half;
     const double farthest = at_most_m + corner;
     double nearest = at_most_m;
-    // A cube is never nearer than its centre less half a diagonal: widen the search until the nearest is
-    // certain.
+    // A cube's surface may be nearer than its centre by half a diagonal. Widen the search until no cube
+    // beyond it can be nearer than the nearest one found.
     for (double reach = std::min(4.0 * corner, farthest);; reach = std::min(1.5 * reach, farthest)) {
       grid_.ForEachSolidNear(p_G, reach, 0.0, [&](const VoxelIndex& v, double) {
         const Vector3 out = ((p_G - grid_.CenterOf(v)).cwiseAbs() - Vector3::Constant(half)).cwiseMax(0.0);
@@ -40,8 +40,8 @@ std::unique_ptr<CarvedShape> VoxelMethod::Shape() const { return std::make_uniqu
 
 void VoxelMethod::MeasureEngagement(const ToolPoints& at, const Vector3& spindle_axis,
                                     MethodFrame& frame) const {
-  // At most one voxel thick: a layer of several voxels would take most of a frame's time, and count bone that
-  // the tool has not met yet.
+  // The layer is at most one voxel thick: a thicker one would take most of a frame's time, and count bone
+  // that the tool has not reached yet.
   const double layer_m = std::min(params_.engaged_layer_m, grid_.voxel_m());
   for (std::size_t t = 0; t < tool_.balls.size(); ++t) {
     if (!tool_.balls[t].cutting) continue;

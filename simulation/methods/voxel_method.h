@@ -6,8 +6,8 @@
 namespace osteon::simulation {
 
 /// Common base of the methods that store the bone as voxels. A tool touches, cuts or deletes a voxel by the
-/// voxel's centre alone. The outermost centres lie half a voxel below the bone's surface on average, so that
-/// contact is felt that much too deep.
+/// voxel's centre alone. The outermost centres lie half a voxel below the bone's surface on average, so
+/// contact begins half a voxel too deep.
 class VoxelMethod : public MethodBase {
  public:
   [[nodiscard]] std::unique_ptr<CarvedShape> Shape() const final;

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t kMinSamples = 8;
 
-// Subtracts the least-squares line: a slow change of the mean would leak into the lowest bins.
+// Subtracts the least-squares line from the signal. Otherwise, a slow change of the mean would leak into the
+// lowest bins of the spectrum.
 std::vector<double> WithoutTrend(std::span<const double> signal) {
   const auto count = static_cast<double>(signal.size());
   const double middle = 0.5 * (count - 1.0);
@@ -19,15 +20,15 @@ std::vector<double> WithoutTrend(std::span<const double> signal) {
     mean += signal[i] / count;
     slope += (static_cast<double>(i) - middle) * signal[i];
   }
-  slope /= count * (count * count - 1.0) / 12.0;  // sum of (i - middle)^2
+  slope /= count * (count * count - 1.0) / 12.0;  // divided by the sum of (i - middle)^2
   std::vector<double> residual(signal.begin(), signal.end());
   for (std::size_t i = 0; i < residual.size(); ++i)
     residual[i] -= mean + slope * (static_cast<double>(i) - middle);
   return residual;
 }
 
-// |X_k|^2 of the signal's DFT at k = bin, with unit_roots[j] = exp(-2 pi i j / N). The index j is reduced in
-// whole numbers, so that long signals lose no digits.
+// |X_k|^2 of the signal's DFT at k = bin, with unit_roots[j] = exp(-2 pi i j / N). For sample n, the index j
+// = (k n) mod N is computed in integers, so that long signals lose no digits.
 double Power(const std::vector<double>& signal, const std::vector<std::complex<double>>& unit_roots,
              std::size_t bin) {
   std::complex<double> sum;

@@ -31,7 +31,8 @@ WorkloadScores ScoreWorkload(const CutWorkload& workload, const WorkloadRun& run
   scores.force = CompareForces(run.felt, workload.exact, workload.rate_hz);
   std::vector<double> magnitude_N;
   for (const FeltForce& felt : run.felt) magnitude_N.push_back(felt.f_N.norm());
-  // Divide by the exact mean: a stuck tool has a large and steady force, which must not count as good.
+  // Divide by the exact mean force, not by the measured one: a stuck tool has a large and steady force, whose
+  // relative ripple would be small.
   double exact_N = 0.0;
   for (const FeltForce& exact : workload.exact)
     exact_N += exact.f_N.norm() / static_cast<double>(workload.exact.size());

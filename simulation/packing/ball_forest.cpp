@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Maximum over the values of several threads. Its final value does not depend on their order.
+/// Maximum of values that several threads offer. The final maximum does not depend on the order of the
+/// offers.
 class SharedMaximum {
  public:
   explicit SharedMaximum(double start) : value_(start) {}
@@ -56,7 +57,7 @@ BallForest::BallForest(std::span<const Ball> balls) {
 
 BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
   Tree tree{.balls = std::move(balls), .levels = {}};
-  // a node whose box holds nothing yet
+  // a node with an empty box
   const auto empty = [] {
     return Node{.low_m = {kInfinity, kInfinity, kInfinity},
                 .high_m = {-kInfinity, -kInfinity, -kInfinity},
@@ -91,12 +92,13 @@ BallForest::Tree BallForest::MakeTree(std::vector<Ball> balls) {
 
 template <typename Limit, typename Visit>
 bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit, const Visit& visit) {
-  // a node still to be visited, and its squared distance from p
+  // a node that is still to be visited, with its squared distance from p
   struct Open {
     double squared;
     std::size_t level, index;
   };
-  // kArity - 1 siblings wait on each level: 64 entries suffice for more balls than fit into memory
+  // At most kArity - 1 siblings wait on each level, so 64 entries suffice for more balls than fit into
+  // memory.
   std::array<Open, 64> stack;
   std::size_t open = 0;
   const auto may_matter = [&limit](const Node& node, double squared) {
@@ -120,7 +122,7 @@ bool BallForest::Search(const Tree& tree, const Vector3& p_m, const Limit& limit
     for (std::size_t i = now.index * kArity; i < end; ++i) {
       const double squared = below[i].SquaredDistance(p_m);
       if (!may_matter(below[i], squared)) continue;
-      // keep the nearest on top
+      // insert the node so that the nearest one is on top of the stack
       std::size_t at = open++;
       for (; at > first && stack[at - 1].squared < squared; --at) stack[at] = stack[at - 1];
       stack[at] = {squared, now.level - 1, i};
@@ -152,8 +154,8 @@ double BallForest::MaxOverlap(int threads) const {
         const Vector3 c = balls[i].center_m;
         const double r = balls[i].radius_m;
         double max_overlap_m = worst.Get();
-        // A pair is found from its smaller ball, so that each of many small balls around a large one costs
-        // one walk down a tree.
+        // Each pair is searched starting from its smaller ball: many small balls around a large one then cost
+        // one descent of a tree each.
         for (std::size_t larger = 0; larger <= t; ++larger)
           Search(
               trees_[larger], c, [&](const Node& node) { return r + node.radius_m - max_overlap_m; },
@@ -195,22 +197,23 @@ double BallForest::MaxProtrusion(const Solid& solid, int threads) const {
     worst.Offer(ball.radius_m + solid.SignedDistance(ball.center_m));
   };
   for (const Tree& tree : trees_) {
-    // first about 4096 balls of each tree: the larger the maximum so far, the more boxes are skipped below
+    // start with about 4096 balls of each tree: the larger the maximum so far, the more boxes are skipped
+    // afterwards
     constexpr std::size_t kFirst = 4096;
     const std::size_t stride = std::max<std::size_t>(1, tree.balls.size() / kFirst);
     ParallelFor((tree.balls.size() + stride - 1) / stride, threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) offer(tree.balls[i * stride]);
     });
-    if (stride == 1) continue;  // all balls were already offered
-    // Descend from a level with work for every thread. Which boxes are skipped depends on the threads' order;
-    // the maximum does not.
+    if (stride == 1) continue;  // all balls of this tree were already offered
+    // Descend from a level that has enough nodes for every thread. Which boxes are skipped depends on the
+    // threads' order; the maximum does not.
     std::size_t level = tree.levels.size() - 1;
     while (level > 0 && tree.levels[level].size() < 256) --level;
     const auto descend = [&](const auto& self, std::size_t node_level, std::size_t index) -> void {
       const Node& node = tree.levels[node_level][index];
       const Vector3 low(node.low_m.data()), high(node.high_m.data());
       const double distance = solid.SignedDistance(0.5 * (low + high));
-      // no ball of a box deep inside can protrude more than the maximum so far
+      // skip a box so deep inside the solid that none of its balls can protrude more than the maximum so far
       if (distance < 0.0 && distance + 0.5 * (high - low).norm() + node.radius_m <= worst.Get()) return;
       if (node_level > 0) {
         const std::size_t end = std::min(tree.levels[node_level - 1].size(), (index + 1) * kArity);

@@ -21,7 +21,8 @@ std::uint64_t BallGrid::Key(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 std::size_t BallGrid::Slot(const Octave& octave, std::uint64_t key) {
   const std::size_t mask = octave.keys.size() - 1;
-  std::uint64_t bits = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing mixes the high bits well
+  // Fibonacci hashing: the high bits of the product depend on all bits of the key
+  std::uint64_t bits = key * 0x9e3779b97f4a7c15ULL;
   std::size_t slot = static_cast<std::size_t>(bits >> 24) & mask;
   while (octave.keys[slot] != key && octave.keys[slot] != kNoKey) slot = (slot + 1) & mask;
   return slot;
@@ -76,7 +77,7 @@ void BallGrid::VisitNear(const Vector3& p_m, double reach_m, const Visit& visit)
     if (squared < within * within) visit(ball, std::sqrt(squared) - ball.radius_m);
   };
   for (const Octave& octave : octaves_) {
-    // a ball of this octave within reach has its centre in this box of cells
+    // a ball of this octave that comes within reach has its centre in this box of cells
     const Vector3 span = Vector3::Constant(reach_m + std::ldexp(1.0, octave.exponent));
     const auto low = CellOf(octave, p_m - span), high = CellOf(octave, p_m + span);
     double cells = 1.0;

@@ -10,26 +10,26 @@
 
 namespace osteon::simulation {
 
-/// Spatial index over balls of widely differing radii, for searches by distance to a point.
+/// Spatial index over balls of very different radii. It finds the balls near a point.
 ///
 /// One uniform grid for each octave of radii stores each ball once, in the cell of its centre. A cell is as
 /// wide as two of its octave's largest balls. A grid keeps only occupied cells (a hash table with linear
 /// probing), so that ten million balls take about 600 MB.
 ///
-/// Any number of threads may read while none inserts. The results, order included, depend on the insertions
-/// alone.
+/// Any number of threads may read while none inserts. The results and their order depend only on the order of
+/// the insertions.
 class BallGrid {
  public:
-  /// @param origin_m  near the balls: cells are counted from here, 2^20 of them in each direction
+  /// @param origin_m  a point near the balls: cells are counted from here, up to 2^20 in each direction
   explicit BallGrid(const Vector3& origin_m) : origin_m_(origin_m) {}
 
   void Insert(const Ball& ball);
   [[nodiscard]] const std::vector<Ball>& balls() const { return balls_; }
 
-  /// Appends the balls whose surfaces come nearer than `reach` to p, and those that contain it.
+  /// Appends to `found` the balls whose surfaces come nearer than `reach_m` to p, and those that contain p.
   void Gather(const Vector3& p_m, double reach_m, std::vector<Ball>& found) const;
 
-  /// Distance from p to the nearest ball's surface, negative inside a ball; at most `reach`.
+  /// Distance from p to the nearest surface of a ball, negative inside a ball; at most `reach_m`.
   [[nodiscard]] double Clearance(const Vector3& p_m, double reach_m) const;
 
  private:
@@ -37,21 +37,22 @@ class BallGrid {
   struct Octave {
     int exponent{0};
     double cell_m{0.0};
-    std::vector<std::uint64_t> keys;  ///< of cells, kNoKey where the slot is free; the size is a power of two
-    std::vector<std::uint32_t> heads;  ///< last ball of the cell
+    /// Key of the cell in each slot, kNoKey: free; the size is a power of two
+    std::vector<std::uint64_t> keys;
+    std::vector<std::uint32_t> heads;  ///< last inserted ball of the cell in each slot
     std::size_t cells{0};
-    std::vector<std::uint32_t> balls;  ///< all of the octave's
+    std::vector<std::uint32_t> balls;  ///< all balls of the octave
   };
   static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
   static constexpr std::uint32_t kNoBall = ~std::uint32_t{0};
-  /// Up to this number of balls, an octave is searched one by one.
+  /// If an octave has at most so many balls, a search tests all of them and does not use the cells.
   static constexpr std::size_t kFewBalls = 48;
 
-  /// Indices of the octave's cell that holds p.
+  /// Indices of the cell of this octave that contains p.
   [[nodiscard]] std::array<std::int64_t, 3> CellOf(const Octave& octave, const Vector3& p_m) const;
-  /// A cell's three indices as one number, 21 bits each.
+  /// Packs a cell's three indices into one number, 21 bits each.
   [[nodiscard]] static std::uint64_t Key(std::int64_t x, std::int64_t y, std::int64_t z);
-  /// Place of the key in the hash table, or of the free slot where it belongs.
+  /// Slot of the key in the hash table; if the key is not there, the free slot where it belongs.
   [[nodiscard]] static std::size_t Slot(const Octave& octave, std::uint64_t key);
   /// Doubles the hash table.
   static void Grow(Octave& octave);
@@ -62,7 +63,7 @@ class BallGrid {
 
   Vector3 origin_m_;
   std::vector<Ball> balls_;
-  std::vector<std::uint32_t> next_;  ///< the ball before this one in its cell
+  std::vector<std::uint32_t> next_;  ///< for each ball, the ball of its cell that was inserted before
   std::vector<Octave> octaves_;      ///< in descending order of radii
 };
 

@@ -11,8 +11,8 @@
 
 namespace osteon::simulation {
 
-/// Finds the cells of a graded division by place: for each level a dense table of bricks, 8 cells per side;
-/// only bricks that hold a cell are stored.
+/// Finds the cells of a graded division that lie at a place. Each level has a dense table of bricks of 8
+/// cells per side; only bricks that contain a cell are stored.
 class CellLookup {
  public:
   explicit CellLookup(const std::vector<Cell>& cells) {
@@ -42,7 +42,7 @@ class CellLookup {
   }
 
   [[nodiscard]] int levels() const { return static_cast<int>(levels_.size()); }
-  /// Side of a level's cells; 0 where the level has none.
+  /// Side of a level's cells; 0 if the level has no cells.
   [[nodiscard]] double side_m(int level) const { return levels_[level].side_m; }
 
   /// Calls visit(index of the cell) for each of a level's cells that meets the box.
@@ -76,25 +76,28 @@ class CellLookup {
   }
 
  private:
-  /// Bits of a cell's index that count within its brick, along one axis.
+  /// kBits: number of low bits of a cell's index along one axis that give its place within the brick.
   static constexpr int kBits = 3, kMask = (1 << kBits) - 1;
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  /// Place of a cell in its brick. @param x, y, z  index of the cell
+  /// Index of a cell within its brick.
+  /// @param x, y, z  indices of the cell
   static std::size_t InBrick(std::int32_t x, std::int32_t y, std::int32_t z) {
     return static_cast<std::size_t>(((z & kMask) << kBits | (y & kMask)) << kBits | (x & kMask));
   }
 
   struct Level {
     double side_m{0.0};
-    std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};  ///< in bricks
-    std::vector<std::uint32_t> bricks;  ///< by place of the brick: index in `cells`, kNone without a cell
-    /// For each stored brick, its cells by InBrick: index of the cell, kNone where there is none.
+    /// Lowest and highest indices of stored bricks
+    std::array<std::int32_t, 3> first{kFar, kFar, kFar}, last{-kFar, -kFar, -kFar};
+    std::vector<std::uint32_t> bricks;  ///< for each brick (BrickAt): its index in `cells`; kNone: no cell
+    /// For each stored brick, the indices of its cells in the order of InBrick; kNone: no cell.
     std::vector<std::array<std::uint32_t, 1 << (3 * kBits)>> cells;
     static constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max();
 
-    /// Number of bricks along an axis.
+    /// Number of bricks in the table along an axis.
     [[nodiscard]] std::int32_t Size(int axis) const { return last[axis] - first[axis] + 1; }
-    /// Place of a brick in `bricks`. @param x, y, z  in bricks
+    /// Index of a brick in `bricks`.
+    /// @param x, y, z  indices of the brick
     [[nodiscard]] std::size_t BrickAt(std::int32_t x, std::int32_t y, std::int32_t z) const {
       return (static_cast<std::size_t>(z - first[2]) * Size(1) + (y - first[1])) * Size(0) + (x - first[0]);
     }

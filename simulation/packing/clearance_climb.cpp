@@ -17,7 +17,8 @@ void ClearanceClimb::CacheNeighbours(const Vector3& p_m, double reach_m) {
   cached_reach_m_ = reach_m;
 }
 
-/// Returns the clearance at p, and stores in bounds_ the obstacles that are at most `window_m` farther.
+/// Returns the clearance at p. Stores in bounds_ all obstacles that are at most `window_m` farther away than
+/// the nearest one.
 double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   std::optional<SurfacePoint> surface;
   const double depth = depths_.LowerBound(p_m);
@@ -30,11 +31,12 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
       gaps_m_[k] = std::sqrt(x * x + y * y + z * z) - ball.radius_m;
       clearance = std::min(clearance, gaps_m_[k]);
     }
-    // An exact query of the surface takes longer than all the rest: only where it may matter.
+    // Query the exact surface only if it may be nearer: the query takes longer than the rest of this
+    // function.
     if (!surface && depth < clearance + window_m) surface = solid_.NearestSurface(p_m);
     if (surface) clearance = std::min(clearance, -surface->distance_m);
-    // Balls outside the cache lie farther than this. If that is not far enough, refill the cache; its reach
-    // then suffices.
+    // Balls that are not cached are farther away than known_reach_m. If an obstacle of interest might be
+    // among them, refill the cache with a sufficient reach.
     const double known_reach_m = cached_reach_m_ - (p_m - cached_from_m_).norm();
     if (known_reach_m < clearance + window_m) {
       const std::vector<Plane> planes = std::move(planes_);
@@ -44,7 +46,7 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
     }
     if (surface && std::abs(surface->distance_m) > 1e-12) {
       const Vector3 normal = (p_m - surface->p_m) / -surface->distance_m;
-      // a plane of nearly the same direction is an older view of the same piece of surface
+      // replace a plane of nearly the same normal: it stands for the same piece of surface
       std::erase_if(planes_, [&normal](const Plane& plane) { return plane.normal.dot(normal) > 0.95; });
       planes_.push_back({normal, surface->p_m});
     }
@@ -61,8 +63,8 @@ double ClearanceClimb::Measure(const Vector3& p_m, double window_m) {
   }
 }
 
-/// Adds the tangent planes nearer than `within` to the bounds. Where the surface bulges inwards, a plane
-/// found elsewhere gives less than the measured clearance, which is used then.
+/// Adds the tangent planes that are nearer than `within_m` to the bounds. If the surface bulges inwards, a
+/// plane that was found elsewhere may be nearer than the measured clearance; the clearance is used then.
 void ClearanceClimb::AddPlanes(const Vector3& p_m, double clearance_m, double within_m) {
   for (const Plane& plane : planes_) {
     const double value = std::max(clearance_m, plane.normal.dot(p_m - plane.at_m));
@@ -74,27 +76,30 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
   Vector3 p = p_m;
   double max_step_m = 0.7 * scale_m;
   double clearance = Measure(p, 2.0 * max_step_m);
-  constexpr int kMaxSteps = 40;  // five to ten are usual: balls curve; an optimum touches four obstacles
+  constexpr int kMaxSteps = 40;  // usually five to ten steps suffice, although obstacles are curved; a
+                                 // maximum touches four obstacles
   for (int i = 0; i < kMaxSteps && !bounds_.empty(); ++i) {
     if (clearance >= cap_.At(p)) return Settle(p, clearance);
     const auto [step, predicted_clearance] = WalkRidges(bounds_, max_step_m);
     const double gain = predicted_clearance - clearance;
-    if (!(gain > 1e-7 * std::abs(clearance))) break;  // nothing left to gain
+    if (!(gain > 1e-7 * std::abs(clearance))) break;  // the clearance cannot grow any more
     last_bounds_ = bounds_;
-    // true where the walk ended at an optimum, not at its length limit
+    // true if the walk ended at a maximum, false if at its length limit
     const bool ends_inside = step.norm() < 0.99 * max_step_m;
     if (ends_inside) max_step_m = std::min(max_step_m, std::max(step.norm(), 0.01 * scale_m));
     const double next_clearance = Measure(p + step, 2.0 * max_step_m);
-    // take the step if it gains at least a tenth of the prediction; otherwise try a shorter one
+    // take the step if the clearance grows by at least a tenth of the predicted gain; otherwise try a shorter
+    // step
     if (next_clearance > clearance + 0.1 * gain) {
       p += step;
       clearance = next_clearance;
       if (!ends_inside) max_step_m *= 2.0;
-      // The optimum lies within reach and falls far short of `min_m`: only curvature is left to gain.
+      // Give up: the maximum is near, and its clearance is far below `min_m`.
       if (ends_inside && next_clearance < 0.6 * min_m && gain < 0.1 * min_m) break;
     } else {
       std::swap(bounds_, last_bounds_);
-      AddPlanes(p, clearance, std::numeric_limits<double>::infinity());  // one plane may be new
+      AddPlanes(p, clearance,
+                std::numeric_limits<double>::infinity());  // the last Measure may have found a new plane
       max_step_m = 0.3 * step.norm();
       if (max_step_m < 1e-6 * std::abs(clearance)) break;
     }
@@ -102,8 +107,9 @@ Ball ClearanceClimb::Climb(const Vector3& p_m, double scale_m, double min_m) {
   return {.center_m = p, .radius_m = clearance};
 }
 
-/// Moves a ball of the cap's radius to where it touches the three nearest obstacles, by Newton's method with
-/// the shortest step that the linearised equations allow. Where it does not converge, the ball stays.
+/// Moves a ball of the cap's radius until it touches the three nearest obstacles. Each step of Newton's
+/// method is the shortest solution of the linearised equations. If the method does not converge, the ball
+/// stays at p.
 Ball ClearanceClimb::Settle(const Vector3& p_m, double clearance_m) {
   const Ball unsettled{.center_m = p_m, .radius_m = std::min(clearance_m, cap_.At(p_m))};
   Vector3 p = p_m;

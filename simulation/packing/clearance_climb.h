@@ -12,7 +12,8 @@
 
 namespace osteon::simulation {
 
-/// Largest allowed radius of a ball by the place of its centre: r0 + a·d, d the depth below the cut zone.
+/// Cap: largest allowed radius of a ball, which depends on its centre: r0 + a·d, d being the centre's depth
+/// below the cut zone.
 struct RadiusCap {
   const CutZone& zone;
   double radius_m{0.0};
@@ -23,28 +24,28 @@ struct RadiusCap {
   }
 };
 
-/// Climbs to local maxima of the clearance: the distance to the surface or to the nearest ball, whichever is
-/// less.
+/// Climbs to local maxima of the clearance. The clearance of a point is its distance to the surface or to the
+/// nearest ball, whichever is smaller.
 ///
-/// Use one object per thread. It caches a neighbourhood's balls between climbs, so nothing may be inserted
-/// into the balls meanwhile.
+/// Use one object per thread. It keeps the balls of a neighbourhood in a cache between climbs, so no ball may
+/// be inserted meanwhile.
 class ClearanceClimb {
  public:
   ClearanceClimb(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap)
       : solid_(solid), depths_(depths), balls_(balls), cap_(cap) {}
 
-  /// Caches the balls whose surfaces come nearer than `reach_m` to p, and forgets all others.
+  /// Fills the cache with the balls whose surfaces come nearer than `reach_m` to p, and removes all others.
   void CacheNeighbours(const Vector3& p_m, double reach_m);
   /// The balls that the last CacheNeighbours cached.
   [[nodiscard]] std::span<const Ball> cached() const { return cached_; }
 
-  /// Returns the largest ball around the local maximum at which a climb from p ends. Where the clearance
-  /// exceeds the cap, the climb ends as soon as the ball has room, and the ball settles: it comes to rest
-  /// against its three nearest neighbours.
+  /// Returns the largest ball around the local maximum at which a climb from p ends. If the clearance reaches
+  /// the cap, the climb ends early with a ball of the cap's radius. This ball then settles: it moves until it
+  /// touches its three nearest obstacles.
   ///
-  /// The ball overlaps nothing by more than rounding. A climb that cannot reach `min_m` may be abandoned; the
-  /// result's radius is then smaller.
-  /// @param scale_m  about the expected radius: the first steps' length
+  /// The ball overlaps no other ball except by rounding. A climb that cannot reach a radius of `min_m` may be
+  /// abandoned; the returned radius is then smaller than `min_m`.
+  /// @param scale_m  about the expected radius; it determines the length of the first steps
   [[nodiscard]] Ball Climb(const Vector3& p_m, double scale_m, double min_m);
 
  private:
@@ -52,7 +53,8 @@ class ClearanceClimb {
     Vector3 normal;  ///< into the solid
     Vector3 at_m;
   };
-  /// The clearance at p; stores the obstacles at most `window_m` farther in bounds_.
+  /// Returns the clearance at p, and stores in bounds_ the obstacles that are at most `window_m` farther
+  /// away.
   double Measure(const Vector3& p_m, double window_m);
   /// Adds the planes_ nearer to p than `within_m` to bounds_.
   void AddPlanes(const Vector3& p_m, double clearance_m, double within_m);
@@ -67,8 +69,8 @@ class ClearanceClimb {
   Vector3 cached_from_m_{Vector3::Zero()};
   double cached_reach_m_{0.0};
   std::vector<Ball> cached_;
-  std::vector<double> gaps_m_;  ///< to the cached balls, at the place of the last Measure
-  std::vector<Plane> planes_;   ///< tangent planes of the surface that were met so far
+  std::vector<double> gaps_m_;  ///< distances to the cached balls' surfaces at the point of the last Measure
+  std::vector<Plane> planes_;   ///< tangent planes of the surface that were found so far
   std::vector<ClearanceBound> bounds_, last_bounds_;
 };
 

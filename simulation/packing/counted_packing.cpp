@@ -12,16 +12,17 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kRadiusOverSpacing = 0.8;  // a body-centred lattice has no holes from 0.56 on
+constexpr double kRadiusOverSpacing = 0.8;  // from 0.56 on, a body-centred lattice has no holes
 
-/// Which sites of a body-centred lattice get a ball.
+/// Conditions under which a site of a body-centred lattice gets a ball.
 struct LatticeRule {
   double spacing_m{0.0};
-  double min_distance_m{0.0};  ///< from a centre to the surface
-  double min_depth_m{0.0};     ///< of a centre below the zone
+  double min_distance_m{0.0};  ///< smallest distance of a centre from the surface
+  double min_depth_m{0.0};     ///< smallest depth of a centre below the zone
 };
 
-// Calls add(Ball, items) for each ball of a body-centred lattice, and returns all items.
+// Calls add(ball, items) for each ball of a body-centred lattice; `add` appends to `items`. Returns all
+// items.
 template <typename Item, typename Add>
 std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const LatticeRule& rule,
                                  int threads, const Add& add) {
@@ -40,12 +41,16 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
                              CellsWanted::kSolid, threads, kMaxBalls, add_leaf);
 }
 
-// Finds the spacing whose packing has nearly the wanted number. Where a face is parallel to the lattice,
-// counts jump by a plane of balls. Guesses outside the known bracket are therefore replaced by its middle,
-// and the best guess is returned. `count_at` is called once per guess.
+// Finds a spacing whose packing has nearly the wanted number of balls. `count_at` returns the number for a
+// spacing, and is called once per guess. If a face of the solid is parallel to the lattice, the number jumps
+// by a whole plane of balls. So a guess outside the known bracket is replaced by the bracket's middle, and
+// the best guess is returned.
 double FindSpacing(double first_m, std::size_t wanted, const std::function<std::size_t(double)>& count_at) {
   constexpr int kMaxRounds = 12;
-  constexpr double kTolerance = 0.004, kExponent = 2.8;  // exponent: 3 within the solid, 2 along its surface
+  constexpr double
+      // the number falls with spacing^-kExponent: 3 within the solid, 2 along its surface
+      kTolerance = 0.004,
+      kExponent = 2.8;
   const auto target = static_cast<double>(wanted);
   double spacing = first_m, best = first_m, best_error = HUGE_VAL;
   double too_fine = 0.0, too_coarse = HUGE_VAL;
@@ -67,7 +72,8 @@ double FindSpacing(double first_m, std::size_t wanted, const std::function<std::
   return best;
 }
 
-// Volume of the solid from this depth below the zone on, in cells of a sixtieth of the solid's size [m³].
+// Volume [m³] of the part of the solid that is deeper than `depth_m` below the zone, summed over cells of a
+// sixtieth of the solid's size.
 double VolumeBelow(const Solid& solid, const CutZone& zone, double depth_m, int threads) {
   const double side = solid.Bounds().sizes().maxCoeff() / 60.0;
   double volume = 0.0;
@@ -77,7 +83,7 @@ double VolumeBelow(const Solid& solid, const CutZone& zone, double depth_m, int 
   return volume;
 }
 
-// The packing of CountedGrade::kFixedZone.
+// Makes the packing of CountedGrade::kFixedZone.
 std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const PackingParams& base,
                             std::size_t count) {
   std::vector<Ball> balls = BuildPacking(solid, zone, base);
@@ -97,10 +103,10 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
     return spaced;
   };
   const std::size_t wanted = count - balls.size();
-  // a body-centred lattice has two balls in each cube of its spacing
+  // a body-centred lattice has two balls per cube whose edge is the spacing
   const double first_guess_m =
       std::cbrt(2.0 * VolumeBelow(solid, zone, rule.min_depth_m, base.threads) / static_cast<double>(wanted));
-  // one byte per ball is enough to count them
+  // one byte per ball is enough for counting
   const double spacing = FindSpacing(first_guess_m, wanted, [&](double spacing_m) {
     return DescendLattice<char>(solid, zone, with_spacing(spacing_m), base.threads,
                                 [](const Ball&, std::vector<char>& items) { items.push_back(1); })
@@ -113,7 +119,7 @@ std::vector<Ball> FixedZone(const Solid& solid, const CutZone& zone, const Packi
   return balls;
 }
 
-// The packing of CountedGrade::kUniform at this spacing of its lattice.
+// Makes the packing of CountedGrade::kUniform with a lattice of this spacing.
 std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, double spacing_m) {
   const EverywhereZone everywhere;
   PackingParams params = base;
@@ -130,7 +136,7 @@ std::vector<Ball> UniformAt(const Solid& solid, const PackingParams& base, doubl
   return balls;
 }
 
-// The packing of CountedGrade::kUniform with nearly this number of balls.
+// Makes the packing of CountedGrade::kUniform with nearly this number of balls.
 std::vector<Ball> UniformPacking(const Solid& solid, const PackingParams& base, std::size_t count) {
   const double volume = VolumeBelow(solid, EverywhereZone(), 0.0, base.threads);
   const double first_guess_m = std::cbrt(3.0 * volume / static_cast<double>(count));

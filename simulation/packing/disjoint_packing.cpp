@@ -20,7 +20,8 @@
 namespace osteon::simulation {
 namespace {
 
-/// Holes wait in classes of radii. This is the ratio of the smallest to the largest radius in a class.
+/// Holes that are not filled yet are sorted into classes by radius. This is the ratio of the smallest to the
+/// largest radius in a class.
 constexpr double kClassRatio = 0.95;
 
 /// Subtracted from each radius, so that rounding does not produce overlaps.
@@ -33,7 +34,7 @@ class Packer {
       : solid_(solid),
         params_(params),
         cap_{.zone = zone, .radius_m = params.max_radius_m, .grade = params.grade},
-        // a coarse grid of depths is enough for few balls
+        // for few balls, a coarse grid of depths is enough
         depths_(solid, params.count > 0 && params.count < 20'000 ? 64 : 128, params.threads),
         balls_(solid.Bounds().center()),
         min_m_(params.min_radius_m),
@@ -45,7 +46,7 @@ class Packer {
       found.push_back(search.From(starts[i], depths_.spacing_m(), min_m_));
     });
     while (!Full()) {
-      // holes of the current size were dropped, or none are left: search the solid for them
+      // if holes of the current size were dropped, or no hole is left, search the whole solid for holes
       if (limit_m_ < dropped_m_ || holes_.empty()) {
         if (!SearchEverywhere() && holes_.empty()) break;
       }
@@ -59,7 +60,8 @@ class Packer {
  private:
   [[nodiscard]] bool Full() const { return params_.count > 0 && balls_.balls().size() >= params_.count; }
 
-  /// Calls find(search, i, found) for i < count in parallel, and stores the holes found in order of i.
+  /// Calls find(search, i, found) in parallel for i = 0 … count - 1, and stores the holes that were found, in
+  /// the order of i.
   template <typename Find>
   void Search(std::size_t count, const Find& find) {
     constexpr std::size_t kChunk = 16;
@@ -76,15 +78,16 @@ class Packer {
         if (hole.radius_m >= min_m_) holes_[ClassOf(hole.radius_m)].push_back(hole);
   }
 
-  /// Class of holes with this radius; larger radii have larger numbers.
+  /// Number of the class of holes with this radius; larger radii have larger numbers.
   [[nodiscard]] static int ClassOf(double radius_m) {
     return static_cast<int>(std::floor(std::log(radius_m) / -std::log(kClassRatio)));
   }
 
   /// Order of a hole within its class.
   struct FillOrder {
-    int capped_first{0};  ///< 0: the cap limits the hole; 1: its obstacles do
-    double key{0.0};      ///< where the cap leaves room, lower ones first; elsewhere larger ones
+    int capped_first{0};  ///< 0: the cap limits the hole's radius; 1: obstacles limit it
+    double key{0.0};  ///< holes limited by the cap: height z, lower ones first; other holes: -radius, larger
+                      ///< ones first
     std::uint64_t tie{0};
     std::size_t index{0};
     auto operator<=>(const FillOrder&) const = default;
@@ -101,10 +104,12 @@ class Packer {
       for (std::size_t i = begin; i < end; ++i) orders[i] = OrderOf(holes[i], i);
     });
     std::sort(orders.begin(), orders.end());
-    // Capped balls are piled up from below. Where each rests on placed balls, they lie much denser than where
-    // they grow from everywhere at once (in the hip bone, capped at 2 mm: 0.56 of the volume against 0.44).
+    // Balls that the cap limits are piled up from below. If each ball rests on placed balls, the packing is
+    // much denser than if balls are placed everywhere at once (in the hip bone with a cap of 2 mm: 0.56 of
+    // the volume instead of 0.44).
     const bool piled = orders.front().capped_first == 0;
-    // while piling, take only the lowest layer of capped holes, as high as one class radius
+    // while piling, take only the lowest layer of capped holes, whose height is the largest radius of the
+    // class
     const double top = orders.front().key + limit_m_;
     std::vector<Ball> taken;
     for (const FillOrder& order : orders)
@@ -122,7 +127,8 @@ class Packer {
     return {capped ? 0 : 1, capped ? hole.center_m.z : -hole.radius_m, tie, index};
   }
 
-  /// One round: fills those of the largest holes that are still free.
+  /// One round: fills those holes of the largest class that are still free, and searches for the holes that
+  /// remain beside them.
   void FillLargest() {
     const std::vector<Ball> holes = TakeLargest();
     std::vector<char> is_free(holes.size());
@@ -148,20 +154,21 @@ class Packer {
     });
     Search(cut.size(), [&](HoleSearch& search, std::size_t i, std::vector<Ball>& found) {
       const Ball& hole = cut[i];
-      // Most of this hole is filled: AroundBall finds what remains, beside the ball that fills it.
+      // Most of this hole is filled. The rest of it lies beside the ball that fills it, where AroundBall
+      // searches.
       if (balls_.Clearance(hole.center_m, hole.radius_m) < -0.5 * hole.radius_m) return;
       found.push_back(search.From(hole.center_m, 0.5 * hole.radius_m, min_m_));
     });
   }
 
-  /// True where the hole's ball overlaps no placed ball.
+  /// True if the hole's ball overlaps no placed ball.
   [[nodiscard]] bool IsFree(const Ball& hole) const {
     return balls_.Clearance(hole.center_m, hole.radius_m) >= hole.radius_m - kGuard_m;
   }
 
-  /// Estimates the smallest radius needed. Where the number of balls is given, holes much smaller than the
-  /// last ball need not be kept. The number of balls larger than r is about proportional to r^-2.4 (measured;
-  /// 2.47 for Apollonian packings), which predicts the last radius.
+  /// Estimates the smallest radius that is needed (min_m_). If the number of balls is given, holes much
+  /// smaller than the last ball need not be stored. The number of balls larger than r is about proportional
+  /// to r^-2.4 (measured; 2.47 for Apollonian packings), which predicts the radius of the last ball.
   void EstimateMinRadius() {
     if (params_.count == 0) return;
     const double share = static_cast<double>(balls_.balls().size()) / static_cast<double>(params_.count);
@@ -169,15 +176,15 @@ class Packer {
     dropped_m_ = std::max(dropped_m_, min_m_ > params_.min_radius_m ? min_m_ : 0.0);
   }
 
-  /// Searches all of space for missed holes, of the largest sizes that may have been missed.
-  /// @returns whether there are any
+  /// Searches the whole solid for missed holes, starting with the largest radii that may have been missed.
+  /// @returns whether there is any hole
   bool SearchEverywhere() {
     const Eigen::AlignedBox3d box = solid_.Bounds();
     const double side = 4.0 * depths_.spacing_m();
     std::array<std::size_t, 3> count{};
     for (int axis = 0; axis < 3; ++axis) count[axis] = static_cast<std::size_t>(box.sizes()[axis] / side) + 1;
     const std::size_t cubes = count[0] * count[1] * count[2];
-    // begin with holes of nearly the current size; while none is found, look for smaller ones
+    // start with holes of nearly the current size; as long as none is found, search for smaller ones
     while (true) {
       min_m_ = std::max(params_.min_radius_m, 0.7 * limit_m_);
       dropped_m_ = min_m_ > params_.min_radius_m ? min_m_ : 0.0;
@@ -203,13 +210,14 @@ class Packer {
   const RadiusCap cap_;
   const DistanceGrid depths_;
   BallGrid balls_;
-  std::map<int, std::vector<Ball>> holes_;  ///< by class, larger ones last
+  std::map<int, std::vector<Ball>> holes_;  ///< holes by class, the largest last
 
   double min_m_;           ///< smaller holes are dropped
-  double dropped_m_{0.0};  ///< holes up to this have been dropped
+  double dropped_m_{0.0};  ///< holes of up to this radius may have been dropped
   double limit_m_;         ///< largest radius of the class that was filled last
 
-  std::vector<char> has_holes_;  ///< one for each cube of SearchEverywhere, for holes of searched_m_
+  /// For each cube of SearchEverywhere: whether it may have a hole of searched_m_
+  std::vector<char> has_holes_;
   double searched_m_{0.0};
 };
 

@@ -11,24 +11,26 @@ namespace osteon::simulation {
 
 /// Number and radii of a disjoint packing's balls.
 struct DisjointParams {
-  std::size_t count{10'000};  ///< 0: until no ball of min_radius_m fits any more
+  std::size_t count{10'000};  ///< number of balls; 0: as many as fit with at least min_radius_m
   /// Holes smaller than this stay empty, even if the packing then has fewer balls than `count`.
   double min_radius_m{0.02e-3};
-  double max_radius_m{1.0};  ///< largest radius at the cut zone and above it
-  /// Growth of the largest radius per depth of the ball's centre below the cut zone [m/m]; 0: no growth.
+  double max_radius_m{1.0};  ///< largest radius at the cut zone and above
+  /// Growth of the largest radius with the depth of the ball's centre below the cut zone [m/m].
   double grade{0.0};
   std::uint64_t seed{0};  ///< selects one of many equally good packings
   int threads{0};         ///< 0: one per core; the result does not depend on it
 };
 
-/// Fills a solid with disjoint balls, the largest that fits first. This is the cutting paper's packing: it
-/// represents the shape well, but a cut removes more of it than of overlapping balls (packing_builder.h).
+/// Fills a solid with disjoint balls; the largest ball that fits is placed first. This is the cutting paper's
+/// packing. It represents the shape well, but a cut removes more bone from it than from overlapping balls
+/// (packing_builder.h).
 ///
 /// 1. Prototypes climb from the solid's thick places to local maxima of the clearance: the distance to the
-///    surface or to the nearest ball (clearance_climb.h). The maxima wait as holes, sorted by radius.
-/// 2. Among the holes whose radii lie within 5 % of the largest, those still free are filled, larger before
-///    smaller. Prototypes climb beside each new ball (hole_search.h), and from holes that it cuts. This
-///    repeats until there are enough balls or no holes.
+///    surface or to the nearest ball (clearance_climb.h). The maxima are stored as holes, sorted by radius.
+/// 2. Of the holes whose radii lie within 5 % of the largest, those that are still free are filled, larger
+///    before smaller; holes whose radius is limited by the cap are filled from below. Prototypes then climb
+///    beside each new ball (hole_search.h), and from the holes that a new ball overlaps. This repeats until
+///    there are enough balls or no holes.
 /// 3. Once no hole is left, the whole solid is searched for holes that the climbs missed. A packing that ends
 ///    with fewer than `count` balls therefore has no room for a ball of 1.02 times min_radius_m.
 ///

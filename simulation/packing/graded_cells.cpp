@@ -13,7 +13,8 @@ constexpr std::size_t kMaxCells = 100'000'000;  // 4 GB
 }  // namespace
 
 void CheckGrade(const std::string& name, const GradeParams& grade, double min_m, double max_m) {
-  constexpr std::size_t kMaxCoarser = 4;  // indices in halves of the finest cells stay far within 32 bits
+  // so that indices, counted in halves of the finest cells, stay far within 32 bits
+  constexpr std::size_t kMaxCoarser = 4;
   CheckRangeMm(name + ": finest side", grade.finest_m, min_m, max_m);
   const std::vector<double>& from = grade.coarser_from_m;
   if (from.size() > kMaxCoarser)
@@ -24,7 +25,7 @@ void CheckGrade(const std::string& name, const GradeParams& grade, double min_m,
 }
 
 std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
-  // Start above the coarsest level, so that one query each decides large empty parts.
+  // Start with cells larger than the coarsest level's, so that large empty parts cost only one query each.
   const Eigen::AlignedBox3d box = solid.Bounds();
   const double min_side = 0.125 * box.sizes().maxCoeff();
   int top = static_cast<int>(params.coarser_from_m.size());
@@ -45,7 +46,7 @@ std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
 
 std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
                                CellsWanted wanted, int threads) {
-  // keeps a leaf unless it lies away from what is wanted
+  // keeps a leaf if it may hold a part of the solid or, for kSurface, of the surface
   const auto add = [&](Cell cell, std::vector<Cell>& cells) {
     cell.signed_distance_m = solid.SignedDistance(cell.center());
     const double reach = cell.reach_m();

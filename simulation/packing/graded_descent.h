@@ -15,10 +15,11 @@ namespace osteon::simulation {
 /// Descends the octree of a graded division depth first, on `threads` threads, and collects the items of its
 /// leaves.
 ///
-/// `add_leaf(cell, items)` is called for each leaf below parents that were not pruned; the leaf's own
-/// distance is not computed yet. It appends to `items`, which begins empty for each part of the tree. The
-/// parts do not depend on the number of threads, so neither do the items and their order.
-/// @throws std::invalid_argument where there would be more than `max_items` items.
+/// `add_leaf(cell, items)` is called for each leaf that is left after parents away from the wanted part were
+/// skipped. It appends the leaf's items to `items`; the leaf's signed distance is not computed yet. Each part
+/// of the tree has its own `items`, empty at the start. The parts do not depend on the number of threads, so
+/// the items and their order do not either.
+/// @throws std::invalid_argument if there would be more than `max_items` items.
 template <typename Item, typename AddLeaf>
 [[nodiscard]] std::vector<Item> DescendGraded(const Solid& solid, const CutZone& zone,
                                               const GradeParams& params, CellsWanted wanted, int threads,
@@ -32,14 +33,14 @@ template <typename Item, typename AddLeaf>
     const AddLeaf& add_leaf;
     std::atomic<std::size_t> total{0};
 
-    /// True where the cell is small enough for the depth of its centre.
+    /// True if the cell is small enough for the depth of its centre.
     [[nodiscard]] bool IsLeaf(const Cell& cell) const {
       const int top = static_cast<int>(params.coarser_from_m.size());
       if (cell.level > top) return false;
       return cell.level == 0 || zone.DepthAt(cell.center()) >= params.coarser_from_m[cell.level - 1];
     }
 
-    /// Adds a leaf's items, or divides the cell unless it lies away from what is wanted.
+    /// Adds the items of a leaf. Divides any other cell, unless it lies outside the wanted part.
     void Visit(const Cell& cell, std::vector<Item>& items) {
       if (IsLeaf(cell)) {
         add_leaf(cell, items);

@@ -28,7 +28,7 @@ Matrix3 RandomRotation(std::uint64_t bits) {
 
 constexpr int kNeighbors = 6;
 
-/// Directions spread evenly over the sphere, and the nearest six of each.
+/// Directions spread evenly over the sphere, and the six nearest neighbours of each.
 template <int kCount>
 struct Lattice {
   std::array<Vector3, kCount> points;
@@ -40,7 +40,8 @@ struct Lattice {
       std::array<std::pair<double, int>, kCount> by_angle;
       for (int j = 0; j < kCount; ++j) by_angle[j] = {-points[i].dot(points[j]), j};
       std::sort(by_angle.begin(), by_angle.end());
-      for (int k = 0; k < kNeighbors; ++k) neighbors[i][k] = by_angle[k + 1].second;  // the first is itself
+      for (int k = 0; k < kNeighbors; ++k)
+        neighbors[i][k] = by_angle[k + 1].second;  // by_angle[0] is the direction itself
     }
   }
 };
@@ -62,7 +63,8 @@ void HoleSearch::AroundBall(std::size_t index, double min_m, double max_m, std::
   radius_m_.fill(max_m);
   climb_.CacheNeighbours(center, r + 2.0 * max_m);
   for (const Ball& other : climb_.cached())
-    if ((center - Vector3(other.center_m)).squaredNorm() > r * r) BoundByBall(ball, other);  // not itself
+    if ((center - Vector3(other.center_m)).squaredNorm() > r * r)
+      BoundByBall(ball, other);  // skip the ball itself
   if (depths_.LowerBound(center) < r + 2.0 * max_m) BoundBySurface(ball, max_m);
   const bool capped = BoundByCap(ball, max_m);
 
@@ -75,20 +77,21 @@ void HoleSearch::AroundBall(std::size_t index, double min_m, double max_m, std::
   for (int j = 0; j < kDirections; ++j) {
     all_capped &= capped_[j] != 0.0;
     if (radius_m_[j] < 0.6 * min_m)
-      continue;  // 0.6, because climbing on from there makes up for the lattice's coarseness
+      continue;  // 0.6, because the directions are coarse, and a climb from there still reaches a larger
+                 // radius
     bool is_maximum = true, at_rim = false;
     for (const int k : lattice.neighbors[j]) {
       is_maximum &= radius_m_[k] < radius_m_[j] || (radius_m_[k] == radius_m_[j] && k > j);
       at_rim |= capped_[k] == 0.0;
     }
-    // Where the cap leaves room, start at the rim of that room, where a ball touches another obstacle as
-    // well.
+    // If the cap limits the radius in this direction, start only at the rim of the directions that it limits:
+    // there a ball of the cap's radius also touches another obstacle.
     if (capped && capped_[j] != 0.0 ? at_rim : is_maximum) climb_from(j);
   }
   if (all_capped) climb_from(0);
 }
 
-/// Bounds the radii by the surface points nearest to a dozen places around the ball.
+/// Bounds the radii by the surface. The surface is probed at a dozen points around the ball.
 void HoleSearch::BoundBySurface(const Ball& ball, double max_m) {
   constexpr int kProbes = 12;
   static const Lattice<kProbes> lattice;
@@ -105,13 +108,14 @@ void HoleSearch::BoundBySurface(const Ball& ball, double max_m) {
                     [&n](const Vector3& m) { return m.dot(n) > 0.98; }))
       continue;
     normals[count++] = n;
-    // Replace the surface by a ball on its other side: a plane would hide the holes beside a surface that
-    // bulges inwards.
+    // Approximate the surface by a ball on its other side: a plane would exclude the holes beside a surface
+    // that bulges inwards.
     BoundByBall(ball, {.center_m = surface.p_m - 2.0 * r * n, .radius_m = 2.0 * r});
   }
 }
 
-/// |c + (r + s) u - c'| = r' + s, solved for the radius s.
+/// Solves |c + (r + s) u - c'| = r' + s for the radius s of a ball that touches `ball` (c, r) in the
+/// direction u, and also `other` (c', r').
 void HoleSearch::BoundByBall(const Ball& ball, const Ball& other) {
   const Vector3 d = Vector3(ball.center_m) - Vector3(other.center_m);
   const double dx = d.x(), dy = d.y(), dz = d.z(), r = ball.radius_m;
@@ -129,7 +133,8 @@ bool HoleSearch::BoundByCap(const Ball& ball, double max_m) {
   const Vector3 center = ball.center_m;
   const double cap = cap_.At(center), r = ball.radius_m;
   if (cap - cap_.grade * (r + max_m) > max_m) return false;
-  // gradient of the cap; the zone's depth is not smooth everywhere, but this suffices as a start
+  // gradient of the cap; the depth below the zone is not smooth everywhere, but a start of a climb need not
+  // be exact
   Vector3 slope = Vector3::Zero();
   if (cap_.grade > 0.0)
     for (int axis = 0; axis < 3; ++axis)
@@ -146,7 +151,7 @@ bool HoleSearch::BoundByCap(const Ball& ball, double max_m) {
   return any;
 }
 
-/// Appends the hole, unless it is too small or there already (at `first` or later).
+/// Appends the hole to `found`, unless it is smaller than min_m or already among found[first …].
 void HoleSearch::AppendHole(const Ball& hole, double min_m, std::size_t first,
                             std::vector<Ball>& found) const {
   if (!(hole.radius_m >= min_m)) return;
@@ -164,9 +169,9 @@ Ball HoleSearch::From(const Vector3& p_m, double scale_m, double min_m) {
 
 struct HoleSearch::CubeSearch {
   double min_m;
-  std::size_t first;  ///< index of the first hole found here
+  std::size_t first;  ///< index in `found` of the first hole of this search
   std::vector<Ball>& found;
-  std::vector<Ball> near;  ///< a stack: the relevant balls of the cube, then those of its part, …
+  std::vector<Ball> near;  ///< a stack: the relevant balls of the cube, then those of its eighth, …
 };
 
 void HoleSearch::InCube(const Vector3& center_m, double side_m, double min_m, std::vector<Ball>& found) {
@@ -177,20 +182,20 @@ void HoleSearch::InCube(const Vector3& center_m, double side_m, double min_m, st
 
 /// @param depth_m  a lower bound of the centre's depth in the solid
 /// @param first, last  range of the relevant balls in search.near
-/// @param climbed  true where a climb began in a cube around this one although a hole was not certain
+/// @param climbed  true if a climb already started in a cube around this one, although a hole was not certain
 void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m,
                         std::size_t first, std::size_t last, bool climbed) {
-  // The clearance within the cube is at most its centre's plus half the diagonal.
+  // The clearance anywhere in the cube is at most that of its centre plus half the diagonal.
   const double reach = std::sqrt(0.75) * side_m, sure = kSure * search.min_m;
   double clearance = sure + reach;
-  // lowers the clearance by a ball, and keeps the ball for the cube's parts if it can matter there
+  // updates the clearance with a ball, and keeps the ball for the cube's eighths if it is near enough
   const auto consider = [&](const Ball& ball) {
     const double gap = (center_m - Vector3(ball.center_m)).norm() - ball.radius_m;
     if (gap < sure + reach) search.near.push_back(ball);
     clearance = std::min(clearance, gap);
   };
   for (std::size_t i = first; i < last; ++i) {
-    const Ball ball = search.near[i];  // a copy: near grows
+    const Ball ball = search.near[i];  // a copy, because search.near grows
     consider(ball);
   }
   for (std::size_t i = search.first; i < search.found.size(); ++i) consider(search.found[i]);
@@ -205,11 +210,11 @@ void HoleSearch::Divide(CubeSearch& search, const Vector3& center_m, double side
       climbed = true;
       const std::size_t before = search.found.size();
       AppendHole(From(center_m, search.min_m, search.min_m), search.min_m, search.first, search.found);
-      // the climb led back to a known hole: there is room for a second ball here
+      // if the climb only found a known hole, the cube's centre has room for another ball, which is added
       if (sure_hole && search.found.size() == before)
         search.found.push_back({.center_m = center_m, .radius_m = std::min(clearance, cap_.At(center_m))});
     }
-    // Otherwise the rest of this cube is searched again once that ball is in place.
+    // Do not divide a cube with a certain hole: the cube is searched again after the hole is filled.
     if (!sure_hole) {
       const std::size_t end = search.near.size();
       for (int i = 0; i < 8; ++i) {

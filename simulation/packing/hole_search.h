@@ -8,9 +8,9 @@
 
 namespace osteon::simulation {
 
-/// Finds the holes of a packing: the balls at local maxima of the clearance.
+/// Finds the holes of a packing: balls that fit at local maxima of the clearance (ClearanceClimb).
 ///
-/// Use one object per thread; nothing may be inserted into the balls while it works.
+/// Use one object per thread. No ball may be inserted during a search.
 class HoleSearch {
  public:
   HoleSearch(const Solid& solid, const DistanceGrid& depths, const BallGrid& balls, const RadiusCap& cap,
@@ -22,20 +22,20 @@ class HoleSearch {
         seed_(seed),
         climb_(solid, depths, balls, cap) {}
 
-  /// Appends the holes beside a ball that have room for a radius of `min_m` or more.
+  /// Appends to `found` the holes beside a ball that have room for a radius of at least `min_m`.
   ///
   /// A new ball creates only local maxima that touch it, because the clearance elsewhere is unchanged. The
-  /// holes found beside each new ball, with the holes left before, are therefore all that exist. The radius
-  /// of the largest ball that touches this one in a given direction and nothing else has a closed form.
-  /// Climbs begin at its local maxima over a few hundred directions, turned at random.
+  /// holes beside each new ball and the holes that were left before are therefore all holes. The largest ball
+  /// that touches the new ball in a given direction and overlaps no other has a radius in closed form. This
+  /// radius is computed for a few hundred directions, turned at random; climbs start at its local maxima.
   /// @param max_m  upper limit of a hole's radius
   void AroundBall(std::size_t index, double min_m, double max_m, std::vector<Ball>& found);
 
-  /// The hole at which a climb from p ends. @param scale_m, min_m  see ClearanceClimb::Climb
+  /// Returns the hole at which a climb from p ends. @param scale_m, min_m  see ClearanceClimb::Climb
   [[nodiscard]] Ball From(const Vector3& p_m, double scale_m, double min_m);
 
-  /// Appends holes in a cube that have room for a radius of `min_m` or more. If it finds none, no ball of
-  /// kSure times that radius fits with its centre in the cube.
+  /// Appends to `found` holes in a cube that have room for a radius of at least `min_m`. If none is found, no
+  /// ball with kSure times this radius fits with its centre in the cube.
   void InCube(const Vector3& center_m, double side_m, double min_m, std::vector<Ball>& found);
   static constexpr double kSure = 1.02;
 
@@ -46,12 +46,12 @@ class HoleSearch {
 
   /// Reduces radius_m_ so that a ball that touches `ball` does not overlap `other`.
   void BoundByBall(const Ball& ball, const Ball& other);
-  /// Reduces radius_m_ so that a ball that touches `ball` stays in the solid, nearly.
+  /// Reduces radius_m_ so that a ball that touches `ball` stays nearly within the solid.
   void BoundBySurface(const Ball& ball, double max_m);
-  /// Reduces radius_m_ to the cap, and sets capped_.
+  /// Reduces radius_m_ to the cap, and sets capped_ for the directions in which this was necessary.
   /// @returns whether the cap limits the radius in any direction
   bool BoundByCap(const Ball& ball, double max_m);
-  /// Searches a cube, and its eighths where a hole in it can be neither found nor excluded.
+  /// Searches a cube. If a hole can be neither found nor excluded, searches its eighths.
   void Divide(CubeSearch& search, const Vector3& center_m, double side_m, double depth_m, std::size_t first,
               std::size_t last, bool climbed);
   void AppendHole(const Ball& hole, double min_m, std::size_t first, std::vector<Ball>& found) const;
@@ -63,8 +63,8 @@ class HoleSearch {
   std::uint64_t seed_;
   ClearanceClimb climb_;
   EachDirection x_{}, y_{}, z_{};  ///< the directions
-  EachDirection radius_m_{};       ///< of the largest ball that touches in this direction
-  EachDirection capped_{};         ///< 1 where the cap limits this radius
+  EachDirection radius_m_{};       ///< radius of the largest ball that touches in each direction
+  EachDirection capped_{};         ///< 1: the cap limits the radius in this direction
 };
 
 }  // namespace osteon::simulation

@@ -14,37 +14,39 @@
 namespace osteon::simulation {
 namespace {
 
-// random numbers of samples and of the cells' order must not be the same
+// different salts, so that the random numbers of the samples and of the cells' order are independent
 constexpr std::uint64_t kSampleSalt = 16, kOrderSalt = 17;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMaxHole = 1.5;     // in separations: places farther than this from all points get a point
-constexpr double kShareReach = 2.3;  // in separations: points of a slab lie this far apart
+// in separations: a point is added where all points are farther away than this
+constexpr double kMaxHole = 1.5;
+constexpr double kShareReach = 2.3;  // in separations: radius of the search for the sites of a slab
 constexpr double kSlab = 0.2;        // in sides of a cell: thickness of a slab
-constexpr double kByZone = 8.0;      // in sides of a cell: depth up to which slabs follow the cut zone
+constexpr double kByZone = 8.0;      // in sides of a cell: largest depth at which slabs follow the cut zone
 
-/// A point, in the linked list of its cell's points.
+/// A site: a place that becomes a mass point. The sites of a cell form a linked list.
 struct Site {
   Vector3 p_m;
   std::uint32_t cell, next;
 };
 
-/// Depth in a cell as a plane: its value at a point and its gradient.
+/// Linear approximation of the depth within a cell: the depth at a point, and its gradient.
 struct DepthPlane {
-  bool below_zone;  ///< false: below the surface
+  bool below_zone;  ///< true: depth below the cut zone; false: below the surface
   Vector3 p_m;
   double depth_m;
   Vector3 gradient;
   [[nodiscard]] double At(const Vector3& at_m) const { return depth_m + gradient.dot(at_m - p_m); }
 };
 
-/// Properties of a site that decide which samples it gets.
+/// Properties of a site that determine which samples the site gets.
 struct SiteTraits {
   MaterialIndex material;
   double below_zone_m, below_surface_m;
-  double weight_per_m2;  ///< 1/side^2 of its cell: where spacings meet, shares are in this proportion
+  double weight_per_m2;  ///< 1/side^2 of its cell: distances are compared in units of the site's own spacing
 };
 
-/// Steps of BuildMassPoints: draws sites, then gives each its samples. A site becomes a mass point.
+/// The steps of BuildMassPoints: draws sites, then assigns samples to sites. Each site with its samples
+/// becomes a mass point.
 class Builder {
  public:
   Builder(const Solid& solid, const CutZone& zone, const MassPointParams& params)
@@ -66,14 +68,14 @@ class Builder {
       points[i] = {.p_m = sites_[i].p_m,
                    .volume_m3 = unit * static_cast<double>(shares_[i]),
                    .material = traits_[i].material};
-    // a point between others of its slab may be nearest to no sample
+    // drop points without volume: a point between others of its slab may be nearest to no sample
     std::erase_if(points, [](const MassPoint& point) { return point.volume_m3 == 0.0; });
     SortAlongMortonCurve(points, solid_.Bounds(), [](const MassPoint& point) { return Vector3(point.p_m); });
     return points;
   }
 
  private:
-  /// Sample i of a cell: a random place in the i-th of its n^3 parts.
+  /// Sample i of a cell: a random place in the i-th of the cell's n^3 equal parts.
   [[nodiscard]] Vector3 SampleOf(const Cell& cell, std::uint64_t cell_bits, int i) const {
     const int n = params_.samples_along_axis;
     Vector3 in_cell(i % n, i / n % n, i / (n * n));
@@ -85,14 +87,14 @@ class Builder {
   [[nodiscard]] static std::uint64_t BitsOf(const Cell& cell) {
     return CellRandom(cell, kSampleSalt).NextBits();
   }
-  /// All samples of a cell.
+  /// Writes all samples of a cell into `samples`.
   void SamplesOf(const Cell& cell, std::vector<Vector3>& samples) const {
     const std::uint64_t bits = BitsOf(cell);
     samples.resize(samples_);
     for (int i = 0; i < samples_; ++i) samples[i] = SampleOf(cell, bits, i);
   }
 
-  /// Finds which samples lie in the solid, for the cells that its surface may cross.
+  /// Finds which samples lie in the solid, for all cells that the solid's surface may cross.
   void FindSamplesInside() {
     crossed_.resize(cells_.size(), kNone);
     std::vector<std::uint32_t> crossed;
@@ -111,9 +113,9 @@ class Builder {
     });
   }
 
-  /// Finds which samples are inside the solid with few distance queries, since they are slow on meshes. A
-  /// sample that is nearer to the centre of its cell or octant than that centre to the surface is on the same
-  /// side of the surface.
+  /// Finds which samples of a cell are inside the solid, with few distance queries, because these are slow on
+  /// meshes. If a sample is nearer to the centre of its cell or octant than this centre is to the surface,
+  /// sample and centre are on the same side of the surface.
   void FindInside(const Cell& cell, const std::vector<Vector3>& samples, char* inside) const {
     const Vector3 center = cell.center();
     std::array<double, 8> of_octant{};
@@ -135,7 +137,7 @@ class Builder {
     }
   }
 
-  /// True where this sample of the cell lies in the solid.
+  /// True if this sample of the cell lies in the solid.
   [[nodiscard]] bool Inside(std::uint32_t cell, int sample) const {
     return crossed_[cell] == kNone || inside_[static_cast<std::size_t>(crossed_[cell]) * samples_ + sample];
   }
@@ -156,20 +158,22 @@ class Builder {
     }
   }
 
-  /// Random bits by which cells are put in order, and their samples too.
+  /// Random bits of a cell. They determine the random order of the cells and of the samples within a cell.
   [[nodiscard]] static std::uint64_t OrderBits(const Cell& cell) {
     return CellRandom(cell, kOrderSalt).NextBits();
   }
   /// Cells in random order: OrderBits and index of each.
   using Order = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
 
-  /// Index of the sample of a cell to try k-th. @param bits  the cell's OrderBits
+  /// Index of the sample that is tried as the k-th one of its cell.
+  /// @param bits  the cell's OrderBits
   [[nodiscard]] int SampleToTry(std::uint64_t bits, int k) const {
-    constexpr std::uint64_t kStride = 37;  // prime, and no factor of any accepted n^3: visits all samples
+    // a prime that divides no accepted n^3, so that all samples are visited
+    constexpr std::uint64_t kStride = 37;
     return static_cast<int>((bits % samples_ + k * kStride) % samples_);
   }
 
-  /// True where some site lies nearer than `factor` separations to p, a place in this cell.
+  /// True if a site lies nearer than `factor` separations to p. @param cell  the cell that contains p
   [[nodiscard]] bool Refused(const Vector3& p, std::uint32_t cell, double factor) const {
     const auto near_in = [&](std::uint32_t other, double reach) {
       for (std::uint32_t i = first_site_[other]; i != kNone; i = sites_[i].next)
@@ -179,7 +183,8 @@ class Builder {
     const auto reach_of = [&](double side) {
       return factor * 0.5 * kMassPointSeparation * (cells_[cell].side_m + side);
     };
-    if (near_in(cell, reach_of(cells_[cell].side_m))) return true;  // the most likely one
+    if (near_in(cell, reach_of(cells_[cell].side_m)))
+      return true;  // a refusal by a site of the same cell is the most likely one
     bool refused = false;
     for (int level = 0; level < lookup_.levels() && !refused; ++level) {
       const double reach = reach_of(lookup_.side_m(level));
@@ -190,8 +195,9 @@ class Builder {
     return refused;
   }
 
-  /// Tries one sample of each cell, in random order: it becomes a site where it keeps its distance from all
-  /// sites so far. Since each sample may lie anywhere in its cell, sites do not line up with the cells.
+  /// Tries one sample of each cell, in random order of the cells. A sample becomes a site if it lies at least
+  /// one separation from all sites so far. Since a sample may lie anywhere in its cell, sites do not line up
+  /// with the cells.
   void DrawOnce(const Order& order, int trial) {
     for (const auto& [bits, cell] : order) {
       const Vector3 p = SampleOf(cells_[cell], BitsOf(cells_[cell]), SampleToTry(bits, trial));
@@ -199,8 +205,8 @@ class Builder {
     }
   }
 
-  /// Makes sites of all samples that lie `factor` separations from all sites so far, cell by cell. All
-  /// threads first exclude the samples that earlier sites refuse, which are nearly all.
+  /// Makes sites of all samples that lie at least `factor` separations from all sites so far, cell by cell.
+  /// First, all threads exclude the samples that earlier sites refuse: nearly all samples.
   void DrawRest(const Order& order, double factor, bool only_inside) {
     std::vector<std::vector<std::uint16_t>> candidates(cells_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -243,14 +249,14 @@ class Builder {
     first_site_[cell] = static_cast<std::uint32_t>(sites_.size() - 1);
   }
 
-  /// Draws sites over all cells, keeps those inside the solid, and fills the holes that are left.
+  /// Draws sites in all cells, keeps those inside the solid, and adds sites in the holes that are left.
   void DrawSites() {
     Order order(cells_.size());
     for (std::uint32_t i = 0; i < cells_.size(); ++i) order[i] = {OrderBits(cells_[i]), i};
     std::sort(order.begin(), order.end());
     first_site_.resize(cells_.size(), kNone);
     sites_.reserve(cells_.size() + cells_.size() / 4);
-    constexpr int kTrials = 4;  // these find most of the sites
+    constexpr int kTrials = 4;  // number of DrawOnce passes, which find most of the sites
     for (int trial = 0; trial < kTrials; ++trial) DrawOnce(order, trial);
     DrawRest(order, 1.0, false);
 
@@ -267,7 +273,7 @@ class Builder {
     DrawRest(order, kMaxHole, true);
   }
 
-  /// Depth in a cell, below the cut zone near it and below the surface elsewhere.
+  /// Depth within a cell: below the cut zone in a finest cell near the zone, below the surface elsewhere.
   [[nodiscard]] DepthPlane PlaneIn(const Cell& cell) const {
     DepthPlane plane{.below_zone = true, .p_m = cell.center(), .depth_m = 0.0, .gradient = Vector3::Zero()};
     if (cell.level == 0) {
@@ -277,13 +283,14 @@ class Builder {
         for (int axis = 0; axis < 3; ++axis)
           plane.gradient[axis] =
               (zone_.DepthAt(plane.p_m + step * Vector3::Unit(axis)) - plane.depth_m) / step;
-        if (!plane.gradient.isZero()) return plane;  // zero where the zone is everywhere
+        if (!plane.gradient.isZero()) return plane;  // the gradient is zero if the zone is everywhere
       }
     }
     plane.below_zone = false;
     SurfacePoint foot = solid_.NearestSurface(plane.p_m);
     if (std::abs(foot.distance_m) < 1e-3 * cell.side_m) {
-      // too close to determine the normal; most steps of this length lead away far enough
+      // The point is too close to the surface to determine the normal. Move it: in most cases, this step
+      // leads far enough away.
       plane.p_m += 0.2 * cell.side_m * Vector3(0.36, 0.48, 0.8);
       foot = solid_.NearestSurface(plane.p_m);
     }
@@ -292,7 +299,7 @@ class Builder {
     return plane;
   }
 
-  /// Finds tissue and depths at the sites, and which depth counts in the cells.
+  /// Finds tissue and depths at the sites, and the depth that is used in each cell (PlaneIn).
   void DescribeSites() {
     planes_.resize(cells_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -311,8 +318,8 @@ class Builder {
     });
   }
 
-  /// Counts each sample for the site that it goes to, in units of samples of the finest cells. With whole
-  /// numbers, sums do not depend on the order of threads.
+  /// Assigns each sample's volume to a site, in units of the volume of a sample in the finest cells. These
+  /// are whole numbers, so the sums do not depend on the order of the threads.
   void ShareVolume() {
     std::vector<std::atomic<std::uint64_t>> shares(sites_.size());
     ParallelFor(cells_.size(), params_.threads, [&](std::size_t begin, std::size_t end) {
@@ -330,17 +337,18 @@ class Builder {
     shares_.assign(shares.begin(), shares.end());
   }
 
-  /// Finds the sites that a cell's samples go to.
+  /// Finds the sites to which the samples of a cell are assigned.
   class Sharing {
    public:
     explicit Sharing(const Builder& builder) : b_(builder) {}
 
-    /// Gathers the sites around a cell by slab. @returns false where there is none: no sample is inside.
+    /// Gathers the sites around a cell, sorted by slab. @returns false if there is no site: then no sample is
+    /// inside the solid.
     bool Enter(std::uint32_t index) {
       const Cell& cell = b_.cells_[index];
       plane_ = b_.planes_[index];
       thickness_m_ = kSlab * cell.side_m;
-      // the slabs that the depths within the cell span
+      // the slabs that the cell covers, by its range of depths
       const double half = 0.5 * cell.side_m * plane_.gradient.lpNorm<1>();
       const double middle = plane_.At(cell.center());
       first_slab_ = Slab(middle - half);
@@ -356,13 +364,14 @@ class Builder {
             {b_.sites_[i].p_m, depth, traits.weight_per_m2, i, within ? slab : -1, traits.material});
         if (within) ++begins_[slab + 1];
       });
-      // counting sort
+      // counting sort of the sites by slab
       for (int slab = 0; slab < slabs_; ++slab) begins_[slab + 1] += begins_[slab];
       ends_.assign(begins_.begin(), begins_.end() - 1);
       by_slab_.resize(begins_.back());
       for (const Near& near : near_)
         if (near.slab >= 0) by_slab_[ends_[near.slab]++] = near;
-      // a border between layers within a slab shows at the latest in the next slab
+      // If a border between two tissues lies within a slab, the sites of the slab and its neighbours have
+      // different materials.
       mixed_.assign(slabs_, 0);
       for (int slab = 0; slab < slabs_; ++slab) {
         const int from = begins_[std::max(slab - 1, 0)], to = begins_[std::min(slab + 2, slabs_)];
@@ -372,7 +381,8 @@ class Builder {
       return !near_.empty();
     }
 
-    /// The site that gets the sample at p: the nearest of its material in its slab, else of about its depth.
+    /// The site that gets the sample at p: the nearest site of the same material in the same slab. If there
+    /// is none, the nearest one with about the same depth.
     [[nodiscard]] std::uint32_t SiteOf(const Vector3& p) const {
       const double depth = plane_.At(p);
       const int slab = std::clamp(Slab(depth) - first_slab_, 0, slabs_ - 1);
@@ -381,15 +391,16 @@ class Builder {
       const auto distance_to = [&p](const Near& near) {
         return near.weight_per_m2 * (near.p_m - p).squaredNorm();
       };
-      // a material query is slow: only where it decides
+      // query the material only if it matters, because the query is slow
       if (!in_slab.empty() && !mixed_[slab]) return Nearest(in_slab, distance_to, any);
       const MaterialIndex material = b_.solid_.MaterialAt(p);
       const auto same = [material](const Near& near) { return near.material == material; };
       std::uint32_t site = Nearest(in_slab, distance_to, same);
       if (site != kNone) return site;
-      // none in the slab: choose one of about this depth
+      // no such site in the slab: choose one of about the same depth
       const auto distance_with_depth = [&](const Near& near) {
-        constexpr double kDepthCounts = 10.0;  // times as much as a distance along the slab
+        // weight of a difference in depth, relative to a distance along the slab
+        constexpr double kDepthCounts = 10.0;
         const double depth_off = kDepthCounts * (near.depth_m - depth);
         return distance_to(near) + near.weight_per_m2 * depth_off * depth_off;
       };
@@ -402,14 +413,14 @@ class Builder {
       Vector3 p_m;
       double depth_m, weight_per_m2;
       std::uint32_t site;
-      int slab;  ///< from the cell's first slab; -1 outside the cell's slabs
+      int slab;  ///< number of the slab, counted from the cell's first one; -1: in none of the cell's slabs
       MaterialIndex material;
     };
     /// Number of the slab at this depth.
     [[nodiscard]] int Slab(double depth_m) const {
       return static_cast<int>(std::floor(depth_m / thickness_m_));
     }
-    /// The accepted site of least distance; kNone where none is accepted.
+    /// The nearest accepted site; kNone if no site is accepted.
     template <typename Distance, typename Accept>
     static std::uint32_t Nearest(std::span<const Near> of, const Distance& distance, const Accept& accept) {
       double min_distance = std::numeric_limits<double>::infinity();
@@ -430,7 +441,8 @@ class Builder {
     int first_slab_{0}, slabs_{0};
     std::vector<Near> near_, by_slab_;
     std::vector<int> begins_, ends_;
-    std::vector<char> mixed_;  ///< true where sites of the slab or its neighbours differ in material
+    /// For each slab: 1 if the sites of the slab and its neighbours have different materials
+    std::vector<char> mixed_;
   };
 
   const Solid& solid_;
@@ -441,12 +453,12 @@ class Builder {
   int samples_;
   std::vector<std::uint32_t> crossed_;     ///< for each cell, its index among the crossed ones; kNone: all
                                            ///< inside
-  std::vector<char> inside_;               ///< for each sample of the crossed cells: 1 inside
+  std::vector<char> inside_;               ///< for each sample of the crossed cells: 1 if inside
   std::vector<DepthPlane> planes_;         ///< for each cell
-  std::vector<std::uint32_t> first_site_;  ///< for each cell
+  std::vector<std::uint32_t> first_site_;  ///< for each cell, the head of its list of sites
   std::vector<Site> sites_;
   std::vector<SiteTraits> traits_;     ///< for each site
-  std::vector<std::uint64_t> shares_;  ///< for each site
+  std::vector<std::uint64_t> shares_;  ///< for each site, its volume in units of ShareVolume
 };
 
 }  // namespace

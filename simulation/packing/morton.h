@@ -11,8 +11,8 @@
 
 namespace osteon::simulation {
 
-/// Position of p on the Morton (Z-order) curve through `box`, 21 bits per axis; points outside are moved to
-/// its border.
+/// Position of p on the Morton (Z-order) curve through `box`, 21 bits per axis; points outside the box are
+/// moved to its border.
 [[nodiscard]] inline std::uint64_t MortonCode(const Vector3& p, const Eigen::AlignedBox3d& box) {
   constexpr double kCells = 2097152.0;  // 2^21
   const double side = box.sizes().maxCoeff();
@@ -20,7 +20,7 @@ namespace osteon::simulation {
   for (int axis = 0; axis < 3; ++axis) {
     const double t = side > 0.0 ? (p[axis] - box.min()[axis]) / side * kCells : 0.0;
     std::uint64_t x = static_cast<std::uint64_t>(std::clamp(t, 0.0, kCells - 1.0));
-    // insert two zero bits after each bit
+    // insert two zero bits between each bit and the next
     x = (x | x << 32) & 0x1f00000000ffffULL;
     x = (x | x << 16) & 0x1f0000ff0000ffULL;
     x = (x | x << 8) & 0x100f00f00f00f00fULL;

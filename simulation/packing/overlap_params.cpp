@@ -7,16 +7,16 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kLatticeShare = 0.38;  // initial share of a wanted count
+constexpr double kLatticeShare = 0.38;  // share of the wanted number of balls that the lattice gets at first
 
-/// Area and volume of a solid that determine the numbers of samples and balls, counted coarsely.
+/// Area and volume of a solid, measured coarsely. They determine the numbers of samples and balls.
 struct Demand {
   double area_m2{0.0}, volume_m3{0.0};
-  double sampled_area_m2{0.0};  ///< the surface's area; counts a quarter at each coarser level of the samples
-  double lattice_volume_m3{0.0};  ///< volume deeper than the cap; counts an eighth at each coarser level
+  double sampled_area_m2{0.0};    ///< area of the surface; divided by 4 for each coarser level of the samples
+  double lattice_volume_m3{0.0};  ///< volume deeper than the cap; divided by 8 for each coarser level
 };
 
-/// factor^level, where `level` is the number of depths `from_m` that lie above this depth.
+/// Returns factor^level, where `level` is the number of entries of `from_m` that are at most `depth_m`.
 double CoarserBy(const std::vector<double>& from_m, double depth_m, double factor) {
   const auto level = std::upper_bound(from_m.begin(), from_m.end(), depth_m) - from_m.begin();
   return std::pow(factor, static_cast<double>(level));
@@ -43,12 +43,13 @@ Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& par
   return demand;
 }
 
-/// Samples for each wanted ball: more give a better choice. Millions of balls are dense in any case.
+/// Number of samples for each wanted ball. More samples give a better choice; millions of balls need fewer
+/// each, because they are dense in any case.
 double SamplesPerBall(std::size_t count) {
   return std::clamp(2e3 / std::sqrt(static_cast<double>(count)), 2.0, 4.0);
 }
 
-/// Depths at which the cap is twice, four times … its value at the cut zone.
+/// Depths at which the cap reaches 2, 4, 8 and 16 times its value at the cut zone.
 std::vector<double> DoublingDepths(double cap_m, double growth) {
   std::vector<double> from;
   for (int level = 1; level <= 4 && growth > 0.0; ++level) {
@@ -61,7 +62,7 @@ std::vector<double> DoublingDepths(double cap_m, double growth) {
 }  // namespace
 
 PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const OverlapOptions& options) {
-  const double max_radius = 0.5 * solid.Bounds().sizes().minCoeff();  // no ball inside is larger
+  const double max_radius = 0.5 * solid.Bounds().sizes().minCoeff();  // no ball in the solid can be larger
   PackingParams params;
   params.count = options.count;
   params.seed = options.seed;
@@ -79,7 +80,8 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   params.radius_growth = options.grade;
 
   params.lattice.coarser_from_m = DoublingDepths(params.cup_radius_cap_m, options.grade);
-  // Samples become coarser at fewer depths, or there would be too few to choose from where a count is large.
+  // Samples become coarser at fewer depths than the lattice: otherwise there would be too few samples for a
+  // large count.
   params.samples.coarser_from_m = params.lattice.coarser_from_m;
   if (params.samples.coarser_from_m.size() > 2) params.samples.coarser_from_m.resize(2);
   params.surface_gap_growth = options.grade * params.surface_gap_m / params.cup_radius_cap_m;
@@ -91,13 +93,14 @@ PackingParams OverlapParamsFor(const Solid& solid, const CutZone& zone, const Ov
   const Demand demand = Measure(solid, zone, params);
   if (options.count > 0) {
     const auto count = static_cast<double>(options.count);
-    const double widest = params.cup_radius_cap_m / 0.6;  // just short of holes; BuildPacking may accept them
-    // spacing at which the lattice takes its share of the count
+    const double widest = params.cup_radius_cap_m /
+                          0.6;  // widest spacing just without holes; BuildPacking may widen it further
+    // spacing at which the lattice has its share of the balls
     const double fitting = std::cbrt(2.0 * demand.lattice_volume_m3 / (kLatticeShare * count));
     params.lattice.finest_m = std::clamp(fitting, params.lattice.finest_m, widest);
     params.samples.finest_m = std::sqrt(demand.sampled_area_m2 / (SamplesPerBall(options.count) * count));
   } else {
-    // balls of a typical radius r close a gap g over about sqrt(2 g r)
+    // a ball of typical radius r keeps the gap below g up to a distance of about sqrt(2 g r)
     const double radius =
         std::min(params.cup_radius_cap_m, demand.volume_m3 / std::max(1e-12, demand.area_m2));
     params.samples.finest_m = 0.75 * std::sqrt(2.0 * params.surface_gap_m * radius);

@@ -12,10 +12,10 @@
 namespace osteon::simulation {
 namespace {
 
-/// Share of a wanted count that a lattice may take; the second value applies where it would have holes
-/// otherwise.
+/// Largest share of the wanted number of balls that the lattice may have. The second value applies if a
+/// smaller share would leave holes in the lattice.
 constexpr double kLatticeShare = 0.4, kLatticeShareWithHoles = 0.75;
-/// Fewer samples than this for each ball wanted from them give too little choice.
+/// Smallest number of surface samples per wanted surface ball; fewer samples leave too little choice.
 constexpr double kMinSamplesPerBall = 1.5;
 
 void Check(const PackingParams& p) {
@@ -32,9 +32,9 @@ void Check(const PackingParams& p) {
     throw std::invalid_argument(fmt::format("packing: count: found {}, accepted 0 … {}", p.count, kMaxBalls));
 }
 
-/// Makes a body-centred lattice: each cell gives its centre and its lowest corner, where a ball of at least
-/// nearly the cap's size fits. Nearer to the surface, the balls that touch it fill the space with fewer
-/// balls.
+/// Makes a body-centred lattice: each cell gives two sites, its centre and its lowest corner. A site gets a
+/// ball if a radius of at least 0.9 times the cap fits there. Nearer to the surface, balls that touch the
+/// surface fill the space with fewer balls.
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const PackingParams& params) {
   const auto add = [&](const Cell& cell, std::vector<Ball>& balls) {
     const auto site = [&](const Vector3& p, double distance_m) {
@@ -52,19 +52,21 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Pa
                              add);
 }
 
-/// Makes the lattice, with its spacing widened until it leaves enough of a wanted count to the surface.
+/// Makes the lattice. If a number of balls is wanted, the spacing is widened until enough of them are left
+/// for the surface.
 std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, PackingParams& params) {
   const auto count = static_cast<double>(params.count);
   for (;;) {
     std::vector<Ball> balls = LatticeBalls(solid, zone, params);
     const auto found = static_cast<double>(balls.size());
-    // a body-centred lattice has no holes where its balls have 0.56 of its spacing
+    // at_holes: the spacing is near the limit of 0.56 (radius over spacing), below which the lattice has
+    // holes
     const bool at_holes = params.cup_radius_cap_m < 0.6 * params.lattice.finest_m;
     const double share = at_holes ? kLatticeShareWithHoles : kLatticeShare;
     if (params.count == 0 || found <= share * count) return balls;
-    // spacing to bring the number just below the share
+    // factor on the spacing that brings the number just below the share
     double widening = std::max(1.02, std::cbrt(found / (0.97 * share * count)));
-    // do not jump past the spacing at which holes begin: the larger share then applies
+    // do not widen past the spacing at which holes begin: from there on the larger share applies
     if (!at_holes)
       widening =
           std::min(widening, std::max(1.02, params.cup_radius_cap_m / (0.599 * params.lattice.finest_m)));
@@ -72,7 +74,8 @@ std::vector<Ball> FittingLattice(const Solid& solid, const CutZone& zone, Packin
   }
 }
 
-/// Finds tangent balls along a Morton curve to choose from; where `wanted` needs more, from a finer sample.
+/// Finds tangent balls to choose from, sorted along a Morton curve. If they are too few for `wanted` balls,
+/// the surface is sampled again more finely.
 std::vector<TangentBall> EnoughTangentBalls(const Solid& solid, const CutZone& zone,
                                             const PackingParams& params, std::size_t wanted) {
   GradeParams samples = params.samples;

@@ -22,7 +22,7 @@ Record ToRecord(const Ball& ball) {
           static_cast<float>(ball.radius_m * 1e3)};
 }
 
-/// Number of balls that are formatted and written at once.
+/// Number of balls that are formatted and written together.
 constexpr std::size_t kBallsPerWrite = 1 << 16;
 
 }  // namespace

@@ -8,7 +8,8 @@
 #include "base/file_error.h"
 #include "simulation/bone/bone.h"
 
-// Balls for other programs, in millimetres and in G's own coordinates. Both files appear whole or not at all.
+// Files of balls for other programs, in millimetres in the frame G. Both kinds of files appear complete or
+// not at all.
 
 namespace osteon::simulation {
 
@@ -16,8 +17,8 @@ namespace osteon::simulation {
 [[nodiscard]] tl::expected<void, FileError> WritePly(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 
-/// Writes a CSV file: a header line "x_mm,y_mm,z_mm,r_mm", then one line per ball; numbers as short as a
-/// float32 allows.
+/// Writes a CSV file: a header line "x_mm,y_mm,z_mm,r_mm", then one line per ball; numbers have the fewest
+/// digits that identify the float32.
 [[nodiscard]] tl::expected<void, FileError> WriteCsv(const std::filesystem::path& path,
                                                      std::span<const Ball> balls);
 

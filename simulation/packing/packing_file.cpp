@@ -19,7 +19,7 @@ using namespace packing_layout;
 
 namespace {
 
-/// Limits of a section of one kind.
+/// Properties of one kind of section: its name and the limits of its records.
 struct KindInfo {
   std::uint32_t kind;
   const char* name;
@@ -37,7 +37,7 @@ constexpr std::array<KindInfo, 6> kKinds{{
     {kProvenance, "provenance", 1, kMaxTextBytes, true},
 }};
 
-/// CRC-32 of earlier bytes, continued over these; begins with 0.
+/// Continues the CRC-32 `crc` over more bytes; pass 0 in the first call.
 std::uint32_t Crc(std::uint32_t crc, const void* data, std::size_t bytes) {
   return static_cast<std::uint32_t>(crc32_z(crc, static_cast<const Bytef*>(data), bytes));
 }
@@ -50,8 +50,7 @@ std::string Hex(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Guesses from the first bytes of a file that is no packing what it is instead: " (a PNG picture)"; empty if
-/// unknown.
+/// Guesses the kind of a file that is no packing from its first bytes: " (a PNG picture)"; empty if unknown.
 std::string GuessFileKind(std::span<const std::byte> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()),
                                std::min<std::size_t>(bytes.size(), 16));
@@ -75,7 +74,7 @@ std::string GuessFileKind(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-/// Reads a packing file from header to contents: nothing is used before all that it depends on was checked.
+/// Reads a packing file from the header to the contents. Every value is checked before it is used.
 class PackingReader {
  public:
   PackingReader(MappedFile file, const std::filesystem::path& path, int threads)
@@ -124,7 +123,7 @@ class PackingReader {
           fmt::format("{}{}", kVersion, header_.version > kVersion ? ": a newer Osteon wrote it" : ""));
   }
 
-  /// Reads and checks the section table, by its checksum first.
+  /// Reads the section table. Checks its checksum first, then its entries.
   void ReadTable() {
     if (header_.sections < 1 || header_.sections > kMaxSections)
       return Fail(offsetof(FileHeader, sections), "number of sections", std::to_string(header_.sections),
@@ -205,7 +204,7 @@ class PackingReader {
     if (entry.count < 1 || entry.count > info->max_records)
       Fail(at + offsetof(SectionEntry, count), where, fmt::format("{} records", entry.count),
            info->max_records == kAnyNumber ? "1 and more" : fmt::format("1 … {}", info->max_records));
-    // divide instead of multiplying, which could overflow: the count may be any number
+    // divide, because count × record_bytes could overflow: in a damaged file, the count may be any number
     if (entry.bytes / info->record_bytes != entry.count || entry.bytes % info->record_bytes != 0)
       Fail(at + offsetof(SectionEntry, count), where,
            fmt::format("{} records in {} bytes", entry.count, entry.bytes),
@@ -252,7 +251,8 @@ class PackingReader {
             &PackingReader::FailPoint);
         break;
       case kPointMaterials:
-        // indices are checked by CheckPointMaterials, because the materials come later in the file
+        // CheckPointMaterials checks the indices after the materials are read: the materials come later in
+        // the file
         packing_.point_materials_ = ReadRecords<MaterialIndex>(
             entry, [](MaterialIndex) { return true; }, nullptr);
         break;
@@ -277,7 +277,7 @@ class PackingReader {
     }
   }
 
-  /// True where each coordinate lies within kReach_mm of the origin.
+  /// True if each coordinate lies within kReach_mm of the origin.
   static bool InReach(float x, float y, float z) {
     // & instead of && avoids a branch for each coordinate; a NaN is out of reach
     return (std::abs(x) <= kReach_mm) & (std::abs(y) <= kReach_mm) & (std::abs(z) <= kReach_mm);
@@ -289,7 +289,7 @@ class PackingReader {
   std::span<const Record> ReadRecords(const SectionEntry& entry, const Good& good,
                                       void (PackingReader::*fail)(const Record&, const std::string&,
                                                                   std::uint64_t)) {
-    // aligned for any record: a mapping begins at a page, and sections at multiples of 64 bytes in it
+    // the records are aligned: a mapping begins at a page, and each section at a multiple of 64 bytes
     const std::span<const Record> records(reinterpret_cast<const Record*>(bytes_.data() + entry.offset),
                                           static_cast<std::size_t>(entry.count));
     constexpr std::size_t kPiece = (std::size_t{1} << 20) / sizeof(Record);
@@ -361,7 +361,7 @@ class PackingReader {
          error.found, error.accepted);
   }
 
-  /// Checks the points' material indices, once the materials have been read: they come after the points.
+  /// Checks the points' material indices. Called after the materials are read, which come after the points.
   void CheckPointMaterials() {
     if (error_ || packing_.point_materials_.empty()) return;
     const auto max_material = std::ranges::max_element(packing_.point_materials_);
@@ -391,7 +391,7 @@ class PackingReader {
     packing_.site_ = CutSite{.center_m = center, .axis = axis, .radius_m = site.radius_m};
   }
 
-  /// The entry of the section of this kind; null where there is none.
+  /// The entry of the section of this kind; null if there is none.
   [[nodiscard]] const SectionEntry* Entry(std::uint32_t kind) const {
     const auto found = std::ranges::find(table_, kind, &SectionEntry::kind);
     return found == table_.end() ? nullptr : &*found;

@@ -25,8 +25,8 @@ struct PackedPoint {
   float x_mm{0.0f}, y_mm{0.0f}, z_mm{0.0f}, volume_mm3{0.0f};
 };
 
-/// Origin of a packing: all inputs that determine it. Other facts (threads, time, folder) are left out, so
-/// that equal packings are equal files.
+/// Provenance of a packing: all inputs that determine it. Other facts (threads, time, folder) are left out,
+/// so that equal packings give equal files.
 struct PackingProvenance {
   std::string program{};                      ///< name and version
   std::string source{};                       ///< file name of the mesh, or the shape
@@ -37,18 +37,19 @@ struct PackingProvenance {
   bool operator==(const PackingProvenance&) const = default;
 };
 
-/// Saves a bone (packing_layout.h; docs/packing.md). The file appears whole or not at all. Each saved ball
-/// lies within the given ball, so it protrudes and overlaps no more than that. A cup of radius 0 means no
-/// site and is not saved. The bytes depend on the arguments alone, and a loaded bone saves to the bytes that
-/// it came from.
-/// @returns an error where a value cannot be stored: no ball, a coordinate farther than 512 mm from the
-///   middle, a radius that is not positive, an unlisted material, no or more than 8 materials; or where the
-///   system refuses to write.
+/// Saves a bone (packing_layout.h; docs/packing.md). The file appears complete or not at all. Each saved ball
+/// lies within the given ball, so rounding adds no protrusion and no overlap. A site of radius 0 means that
+/// there is no site; it is not saved. The bytes depend on the arguments alone. If a loaded bone is saved
+/// again, the file has the same bytes.
+/// @returns an error if a value cannot be stored: no ball, a coordinate farther than 512 mm from the middle,
+///   a radius that is not positive, an unlisted material, no or more than 8 materials; or if the system
+///   refuses to write.
 [[nodiscard]] tl::expected<void, FileError> WritePackingFile(const std::filesystem::path& path,
                                                              const Bone& bone,
                                                              const PackingProvenance& provenance);
 
-/// A packing file, mapped and verified. Views point into the mapping and live as long as this does.
+/// A packing file, mapped into memory and verified. Its views point into the mapping, and are valid as long
+/// as this object lives.
 class PackingFile {
  public:
   /// Opens a file and verifies everything before use: sizes, sections, checksums, values. Allocates at most
@@ -61,12 +62,12 @@ class PackingFile {
   [[nodiscard]] std::span<const PackedBall> balls() const { return balls_; }
   [[nodiscard]] std::span<const PackedPoint> points() const { return points_; }
   [[nodiscard]] const std::vector<Material>& materials() const { return materials_; }
-  /// Where the bone is to be cut; absent where the packing was made for no particular site.
+  /// The site at which the bone is to be cut; absent if the packing was made for no particular site.
   [[nodiscard]] const std::optional<CutSite>& site() const { return site_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const PackingProvenance& provenance() const { return provenance_; }
 
-  /// A copy in doubles and metres. Without a site the cup's radius is 0.
+  /// A copy in doubles and metres. Without a site, the radius of the bone's site is 0.
   [[nodiscard]] Bone ToBone() const;
 
  private:

@@ -13,15 +13,16 @@
 //    64   SectionEntry, 32 bytes     one for each section: kind, checksum, offset, bytes, count
 //         sections                   balls, mass points, their materials, materials, site, provenance
 //
-// Lengths of balls and points are float32 millimetres relative to the origin, as the shaders need them. They
-// are multiples of kGrid_mm, so that adding the origin in double precision and subtracting it again changes
-// nothing: a loaded packing saves to the same bytes.
+// Coordinates and radii are float32 millimetres, coordinates relative to the origin, as the shaders need
+// them. They are multiples of kGrid_mm, so that adding the origin in double precision and subtracting it
+// again gives the same value. A loaded packing is therefore saved with the same bytes.
 
 namespace osteon::simulation::packing_layout {
 
 static_assert(std::endian::native == std::endian::little, "packing files are mapped, not decoded");
 
-/// Reveals damage by a text-mode transfer, a 7-bit channel or changed line ends (PNG's idea).
+/// The first bytes of a file. As in PNG, they are chosen so that a text-mode transfer, a 7-bit channel or
+/// changed line ends damage them.
 inline constexpr std::array<unsigned char, 8> kMagic{0x89, 'O', 'S', 'P', '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kByteOrderMark = 0x01020304;
 inline constexpr std::uint32_t kVersion = 1;
@@ -30,8 +31,9 @@ inline constexpr std::uint32_t kMaxSections = 16;
 
 inline constexpr double kGrid_mm = 0x1p-15;    ///< 31 nm; float32 holds its multiples exactly up to 512 mm
 inline constexpr float kReach_mm = 512.0f;     ///< largest distance from the origin along an axis
-inline constexpr float kMaxVolume_mm3 = 1e9f;  ///< of a mass point
-inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;  ///< of materials or provenance
+inline constexpr float kMaxVolume_mm3 = 1e9f;  ///< largest volume of a mass point
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1}
+                                             << 20;  ///< largest size of the text of materials or provenance
 
 enum SectionKind : std::uint32_t {
   kBalls = 1,           ///< one PackedBall each
@@ -51,21 +53,22 @@ struct FileHeader {
   std::uint32_t zero{0};              ///< unused, must be 0
   std::array<double, 3> origin_mm{};  ///< origin of balls and points, in G
   std::uint32_t also_zero{0};         ///< unused, must be 0
-  std::uint32_t crc{0};               ///< of the 60 bytes before it, then of the table
+  std::uint32_t crc{0};               ///< checksum of the 60 bytes before it and then the table
 };
 static_assert(sizeof(FileHeader) == 64 && offsetof(FileHeader, file_bytes) == 16 &&
               offsetof(FileHeader, origin_mm) == 32 && offsetof(FileHeader, crc) == 60);
 
 struct SectionEntry {
   std::uint32_t kind{0};
-  std::uint32_t crc{0};     ///< of the section's bytes
-  std::uint64_t offset{0};  ///< from the file's first byte
+  std::uint32_t crc{0};     ///< checksum of the section's bytes
+  std::uint64_t offset{0};  ///< offset of the section from the file's first byte
   std::uint64_t bytes{0};
-  std::uint64_t count{0};  ///< of records
+  std::uint64_t count{0};  ///< number of records
 };
 static_assert(sizeof(SectionEntry) == 32 && offsetof(SectionEntry, offset) == 8);
 
-/// The cup, in G. Doubles in SI units, unlike the float32 millimetres of balls and points.
+/// The site (a cup), in G. Its values are doubles in SI units, unlike the float32 millimetres of balls and
+/// points.
 struct PackedSite {
   std::array<double, 3> center_m{}, axis{};
   double radius_m{0.0};

@@ -38,7 +38,7 @@ void Check(std::span<const Ball> balls, const QualityParams& params) {
 
 struct Samples {
   std::vector<Vector3> points_m;
-  double side_m{0.0};  ///< of the cells that gave one sample each
+  double side_m{0.0};  ///< side of the cells, each of which gave at most one sample
 };
 
 /// Takes a jittered sample of each cell of a cubic grid. `keep(cell, sample)` converts a sample to the wanted
@@ -63,18 +63,18 @@ Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::
   return samples;
 }
 
-/// Takes about `count` samples: a coarse grid measures the size of the solid or surface, in `dimensions`; a
-/// finer grid then gives the samples.
+/// Takes about `count` samples. A coarse grid measures the volume (dimensions 3) or area (2); from it follows
+/// the spacing of a finer grid, which gives the samples.
 template <typename Keep>
 Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std::size_t count,
                     std::uint64_t salt, int threads, const Keep& keep) {
-  constexpr std::size_t kTrial = 2000;  // measures the size within some percent
+  constexpr std::size_t kTrial = 2000;  // this number of samples measures the size to a few per cent
   double side = solid.Bounds().sizes().maxCoeff() / 16.0;
   for (;;) {
     Samples samples = SampleCells(solid, wanted, side, salt, threads, keep);
     const std::size_t n = samples.points_m.size();
     if (2 * n > count) return samples;
-    // a small number of samples is no measure, and a thin solid may lie between the cells' samples
+    // few samples do not measure the size, since a thin solid may lie between them: halve the side then
     const double finer =
         n < kTrial ? 0.5 : std::pow(static_cast<double>(n) / static_cast<double>(count), 1.0 / dimensions);
     side *= std::min(finer, 0.8);
@@ -84,7 +84,7 @@ Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std:
 Samples SampleVolume(const Solid& solid, const QualityParams& params) {
   return SampleAbout(solid, CellsWanted::kSolid, 3, params.samples, kVolumeSalt + (params.seed << 8),
                      params.threads, [&solid](const Cell& cell, const Vector3& p) {
-                       // most cells lie entirely inside: no further query
+                       // no query for a cell that lies entirely inside, as most cells do
                        return cell.signed_distance_m < -cell.reach_m() || solid.SignedDistance(p) < 0.0;
                      });
 }
@@ -99,7 +99,8 @@ Samples SampleSurface(const Solid& solid, const QualityParams& params) {
                      });
 }
 
-/// Balls by radius, in eighths of an octave; @param min_m, max_m  smallest and largest radius
+/// Counts balls by radius, in bins of an eighth of an octave.
+/// @param min_m, max_m  smallest and largest radius
 std::vector<RadiusBin> Histogram(std::span<const Ball> balls, double min_m, double max_m) {
   constexpr int kBinsPerOctave = 8;
   const auto bin = [](double radius) {

@@ -13,18 +13,19 @@
 namespace osteon::simulation {
 namespace {
 
-/// How a material's figure is written: its key and value, then its source.
+/// How a property of a material is written: a line with its key and value, then a line with the value's
+/// source.
 struct Figure {
   const char* key;
   double Material::*value;
   const char* source_key;      ///< key of the value's source ...
   const char* assumption_key;  ///< ... or of the reason why the value is assumed
   FigureSource Material::*source;
-  bool may_be_zero;  ///< otherwise it must be above 0
+  bool may_be_zero;  ///< true: the value may be 0; false: it must be above 0
   double max_value;
 };
 constexpr double kNoBound = std::numeric_limits<double>::max();
-/// All figures of a material, with the same bounds as in CheckMaterials.
+/// All properties of a material, with the same bounds as in CheckMaterials.
 constexpr std::array<Figure, 4> kFigures{{
     {"density_kg_per_m3", &Material::density_kg_per_m3, "density_source", "density_assumption",
      &Material::density_source, false, kNoBound},
@@ -36,8 +37,8 @@ constexpr std::array<Figure, 4> kFigures{{
      true, 2.0},
 }};
 
-/// Written only if the edge force is known. The line kChipKey follows: the chip's thickness at which the
-/// cutting energy was measured.
+/// The edge force is written only if it is known. The line kChipKey then follows, with the chip's thickness
+/// at which the cutting energy was measured.
 constexpr Figure kEdgeForce{"edge_force_N_per_m",
                             &Material::edge_force_N_per_m,
                             "edge_force_source",
@@ -69,8 +70,8 @@ std::string Shown(std::string_view text) {
   return "\"" + out + (text.size() > 40 ? "…\"" : "\"");
 }
 
-/// Reads lines "key=value", one after the other. The first error is kept; reading on after it gives empty
-/// values.
+/// Reads lines "key=value", one after the other. The first error is stored; after it, all values that are
+/// read are empty.
 class LineReader {
  public:
   explicit LineReader(std::string_view text) : text_(text) {}
@@ -78,7 +79,7 @@ class LineReader {
   [[nodiscard]] bool AtEnd() const { return error_ || at_ == text_.size(); }
   [[nodiscard]] const std::optional<TextError>& error() const { return error_; }
 
-  /// The next line's key and unescaped value.
+  /// Reads the next line: its key and its unescaped value. `expected` describes the line in errors.
   std::pair<std::string, std::string> Next(const std::string& expected) {
     if (error_) return {};
     line_ = at_;
@@ -123,7 +124,7 @@ class LineReader {
     return value;
   }
 
-  /// Reads a figure's two lines, its value and its source, into the material.
+  /// Reads the two lines of a property, its value and its source, into the material.
   void ReadFigure(const Figure& figure, Material& material) {
     material.*figure.value = ReadNumber(figure.key, figure.max_value, figure.may_be_zero);
     const std::string accepted = fmt::format("a line {}=… or {}=…", figure.source_key, figure.assumption_key);
@@ -173,7 +174,8 @@ class LineReader {
   }
 
   std::string_view text_;
-  std::size_t at_{0}, line_{0}, value_{0};  ///< bytes where the next line, the last one and its value begin
+  /// First bytes of the next line, of the last line that was read, and of its value
+  std::size_t at_{0}, line_{0}, value_{0};
   std::optional<TextError> error_;
 };
 
@@ -194,7 +196,7 @@ void ReadEdgeForce(LineReader& reader, Material& material) {
                      fmt::format("more than {} over {}", kEdgeForce.key, kFigures[1].key));
 }
 
-/// The two lines of a figure, its value and its source.
+/// The two lines of a property, its value and its source.
 std::string FigureText(const Figure& figure, const Material& material) {
   const FigureSource& source = material.*figure.source;
   return fmt::format("{}={}\n{}={}\n", figure.key, material.*figure.value,
@@ -211,7 +213,8 @@ tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>
     if (material.edge_force_N_per_m != 0.0)
       text += fmt::format("{}{}={}\n", FigureText(kEdgeForce, material), kChipKey, material.measured_chip_m);
   }
-  // The reader has the only set of rules: a text that it refuses is not written.
+  // Check the text by reading it, so that the rules exist only once: a text that the reader refuses is not
+  // written.
   if (const auto read = MaterialsFromText(text); !read) return tl::make_unexpected(read.error());
   return text;
 }

@@ -13,7 +13,7 @@
 
 namespace osteon::simulation {
 
-/// An error in a text, and its place.
+/// An error in a text: place, what was found, what is accepted.
 struct TextError {
   std::size_t byte{0};
   std::string where, found, accepted;
@@ -24,12 +24,13 @@ struct NamedProvenance {
   PackingProvenance provenance;
 };
 
-/// Text of the section "materials", and back.
-/// @returns an error where a value is not UTF-8, holds a control character or is out of range.
+/// Converts materials to the text of the section "materials"; MaterialsFromText converts back.
+/// @returns an error if a value is not UTF-8, contains a control character or is out of range.
 [[nodiscard]] tl::expected<std::string, TextError> MaterialsToText(const std::vector<Material>& materials);
 [[nodiscard]] tl::expected<std::vector<Material>, TextError> MaterialsFromText(std::string_view text);
 
-/// Text of the section "provenance", and back. @returns errors as above.
+/// Converts a provenance to the text of the section "provenance", and back. @returns an error as
+/// MaterialsToText
 [[nodiscard]] tl::expected<std::string, TextError> ProvenanceToText(const NamedProvenance& value);
 [[nodiscard]] tl::expected<NamedProvenance, TextError> ProvenanceFromText(std::string_view text);
 

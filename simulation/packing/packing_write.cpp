@@ -19,18 +19,18 @@ using namespace packing_layout;
 
 namespace {
 
-/// Largest coordinate in G that is accepted. As a multiple of the grid it is still an exact double.
+/// Largest accepted coordinate in G. Multiples of the grid up to this value are exact in double precision.
 constexpr double kFarthest_mm = 1e6;
 
-/// Limit on the rounding error of a length that is a multiple of the grid, after its conversion to metres and
-/// back in double precision, in grid steps: 1e6 mm is 2^35 grid steps, and a double holds 53 bits.
+/// Largest rounding error, in grid steps, of a multiple of the grid after its conversion to metres and back
+/// in double precision. 1e6 mm is 2^35 grid steps, and a double has 53 bits.
 constexpr double kRounding_grids = 1e-4;
 
-/// A length as the nearest whole number of grid steps.
+/// Rounds a length to a whole number of grid steps.
 double ToGrid(double length_m) { return std::nearbyint(length_m * 1e3 / kGrid_mm); }
 
-/// Converts a multiple of the grid to millimetres from the origin. Minus zero becomes zero, because a reload
-/// would lose its sign.
+/// Converts a multiple of the grid to millimetres from the origin. Minus zero becomes zero: its sign would be
+/// lost when the file is loaded and saved again.
 float MmFromOrigin(double grids, double origin_mm) {
   return static_cast<float>(grids * kGrid_mm - origin_mm + 0.0);
 }
@@ -84,8 +84,8 @@ class PackingWriter {
     Fail(section + (error.where.empty() ? "" : ": " + error.where), error.found, error.accepted);
   }
 
-  /// Chooses the origin: the middle of all balls and points, on the grid and rounded to whole millimetres. A
-  /// reloaded packing gets the same origin, since rounding to the grid comes first.
+  /// Chooses the origin: the middle of all balls and points, on the grid and rounded to whole millimetres.
+  /// Positions are rounded to the grid first, so that a reloaded packing gets the same origin.
   void ChooseOrigin() {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     std::array<double, 3> low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
@@ -121,8 +121,8 @@ class PackingWriter {
             const Ball& ball = bone_.balls[i];
             const Vector3 p = ball.center_m;
             const Vector3 grids(ToGrid(p.x()), ToGrid(p.y()), ToGrid(p.z()));
-            // shrink by the centre's shift, so that the saved ball lies within the given ball; a radius on
-            // the grid must not lose a step to rounding
+            // Reduce the radius by the centre's shift, so that the saved ball lies within the given ball.
+            // kRounding_grids keeps a radius on the grid from losing a grid step by rounding.
             const double moved = (grids - p * (1e3 / kGrid_mm)).norm();
             const double radius = std::floor(ball.radius_m * 1e3 / kGrid_mm - moved + 2.0 * kRounding_grids);
             balls_[i] = {.x_mm = MmFromOrigin(grids.x(), origin_mm_[0]),

@@ -14,7 +14,7 @@
 namespace osteon::simulation {
 namespace {
 
-using Wave = std::array<int, 3>;  // waves along each side of a window
+using Wave = std::array<int, 3>;  // number of waves along each side of a window
 
 void Check(const SpectrumParams& p) {
   const auto check_range = [](const char* name, double value, double low, double high) {
@@ -27,8 +27,9 @@ void Check(const SpectrumParams& p) {
   check_range("waves per bin", p.waves_per_bin, 1, 10'000);
 }
 
-/// Draws up to waves_per_bin different wave vectors with lengths in bin b: random directions and lengths,
-/// each rounded to whole waves along the sides. A window has few of them in its lowest bins, or none.
+/// Draws up to waves_per_bin different wave vectors with lengths in bin b. Directions and lengths are random;
+/// each vector is rounded to whole numbers of waves along the window's sides. The lowest bins of a window
+/// have few such vectors, or none.
 std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, const SpectrumParams& params) {
   const double width = params.max_frequency / params.bins;
   CellRandom random({.index = {b, 0, 0}}, params.seed);
@@ -48,7 +49,8 @@ std::vector<Wave> DrawWaves(int b, double spacing_m, const Vector3& sides_m, con
     }
     const double rounded = k.norm() * spacing_m;
     if (within_taper || rounded < b * width || rounded >= (b + 1) * width) continue;
-    const Wave opposite{-wave[0], -wave[1], -wave[2]};  // it has the same power
+    // the opposite wave has the same power, so only one of both is used
+    const Wave opposite{-wave[0], -wave[1], -wave[2]};
     if (std::find(waves.begin(), waves.end(), wave) == waves.end() &&
         std::find(waves.begin(), waves.end(), opposite) == waves.end())
       waves.push_back(wave);
@@ -127,16 +129,17 @@ RadialSpectrum ComputeRadialSpectrum(std::span<const Vector3> points_m,
 
 std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZone& zone,
                                                 const MassPointParams& params, std::size_t max_windows) {
-  constexpr double kMinWidth = 5.0;  // in spacings
+  constexpr double kMinWidth = 5.0;  // smallest width of a window, in spacings
   struct Room {
     Vector3 center;
-    double half_m, width;  ///< half the side; the side in spacings
+    double half_m, width;  ///< half the side of the cube; its side in spacings
   };
   std::vector<Room> rooms;
   const std::vector<double>& from = params.cells.coarser_from_m;
   for (const Cell& cell : DivideGraded(solid, zone, params.cells, CellsWanted::kSolid)) {
-    // A cube lies in the ball around it. Between two depths there are only cells of this size; cells across a
-    // border extend beyond it by half the diagonal of the coarser ones.
+    // The largest cube around this centre lies in a ball of free_radius, in which all cells have this size.
+    // The ball ends at the surface and at the depths at which the cells' size changes. Coarser cells extend
+    // beyond such a depth by half their diagonal.
     const double depth = zone.DepthAt(cell.center());
     double free_radius = -cell.signed_distance_m;
     if (cell.level > 0) free_radius = std::min(free_radius, depth - from[cell.level - 1] - cell.reach_m());

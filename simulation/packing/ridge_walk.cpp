@@ -7,16 +7,17 @@
 namespace osteon::simulation {
 namespace {
 
-/// The point nearest to the origin in a hull of up to four points, and the points that it is a combination
-/// of.
+/// The point of a convex hull of up to four points that is nearest to the origin, and those of the points of
+/// which it is a combination.
 struct Nearest {
   Vector3 point{Vector3::Zero()};
   std::array<int, 4> of{};  ///< indices of those points; `count` of them
   int count{0};
 };
 
-// The functions below take the points p and the indices of a segment's, triangle's or tetrahedron's corners.
-// A degenerate triangle or tetrahedron is replaced by its sides.
+// The functions below find the nearest point of a segment, a triangle or a tetrahedron. They take the points
+// p and the corners' indices. A degenerate triangle is replaced by its edges, a degenerate tetrahedron by its
+// faces.
 
 Nearest NearestOfSegment(const std::array<Vector3, 4>& p, int a, int b) {
   const Vector3 ab = p[b] - p[a];
@@ -71,7 +72,7 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double max_m) {
     if (bounds[k].value_m < bounds[active[0]].value_m) active[0] = k;
   double t = bounds[active[0]].value_m;
 
-  constexpr int kMaxTurns = 16;  // most walks need four to six
+  constexpr int kMaxTurns = 16;  // limit; most walks need four to six turns
   for (int turn = 0; turn < kMaxTurns; ++turn) {
     std::array<Vector3, 4> gradients;
     for (int i = 0; i < count; ++i) gradients[i] = bounds[active[i]].gradient;
@@ -82,7 +83,8 @@ RidgeWalk WalkRidges(std::span<const ClearanceBound> bounds, double max_m) {
     for (int i = 0; i < up.count; ++i) active[i] = active[up.of[i]];
     count = up.count;
 
-    // length to where the next obstacle is as near, or to |step| = max_m by the quadratic formula
+    // length of this leg: up to where another obstacle is as near as the active ones, or to |step| = max_m
+    // (quadratic formula)
     const double a = rate, b = step.dot(up.point), c = step.squaredNorm() - max_m * max_m;
     double length = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
     std::size_t next = bounds.size();

@@ -11,12 +11,14 @@
 namespace osteon::simulation {
 namespace {
 
-// Below this share of their cap's radius, lattice balls near the surface are left to surface balls.
+// Smallest radius of a lattice ball near the surface, over its cap. Where only smaller ones fit, surface
+// balls fill the space instead.
 constexpr double kMinOfCap = 0.6;
-// Growth of the surface balls' largest radius and gap with depth below the zone [m/m], and limit of the gap.
+// Growth of the surface balls' largest radius and of the gap with the depth below the zone [m/m], and the
+// largest gap.
 constexpr double kRadiusGrowth = 0.5, kGapGrowth = 0.4, kMaxGap_m = 2e-3;
 
-/// A zone extended downwards: places less than `fine_depth_m` below the given zone count as in it.
+/// A zone that is extended downwards: points less than `fine_depth_m` below the given zone belong to it.
 class FineZone final : public CutZone {
  public:
   FineZone(const CutZone& zone, double fine_depth_m) : zone_(zone), fine_depth_m_(fine_depth_m) {}
@@ -30,8 +32,8 @@ class FineZone final : public CutZone {
   double fine_depth_m_;
 };
 
-/// Two balls for each cell of a graded division: a body-centred lattice. Balls of coarse cells do not reach
-/// into the fine part.
+/// Makes a body-centred lattice: two balls for each cell of a graded division. Balls of coarse cells do not
+/// reach into the fine part.
 std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const SplitPackingParams& p) {
   const GradeParams grade{.finest_m = p.spacing_m,
                           .coarser_from_m = {p.coarser_from_m, 2.0 * p.coarser_from_m}};

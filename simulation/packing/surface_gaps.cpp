@@ -56,7 +56,8 @@ std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t
   struct Entry {
     float measure;
     std::uint32_t sample;
-    bool operator<(const Entry& other) const {  // a heap has its largest on top; among equals the first
+    bool operator<(const Entry& other)
+        const {  // the largest measure is on top of the heap; of equal measures, the first sample
       return measure != other.measure ? measure < other.measure : sample > other.sample;
     }
   };
@@ -70,7 +71,8 @@ std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t
     heap[i] = {.measure = measure(i), .sample = static_cast<std::uint32_t>(i)};
   std::make_heap(heap.begin(), heap.end());
 
-  // Gaps only shrink, so the top entry is the largest if its measure is still current.
+  // Gaps only shrink, so measures in the heap may be out of date, but never too small. If the top entry's
+  // measure is current, it is the largest.
   std::vector<Ball> balls;
   while (!heap.empty() && (count == 0 || balls.size() < count)) {
     std::pop_heap(heap.begin(), heap.end());

@@ -10,11 +10,11 @@
 
 namespace osteon::simulation {
 
-/// Distance of many surface samples from a growing union of balls, and the choice of the next ball.
+/// The gaps of many surface samples: their distances from a union of balls that grows ball by ball.
 ///
 /// A binary tree over the samples, which must be sorted along a space-filling curve. Each node stores its
-/// samples' box and largest gap. A new ball visits only nodes in which it can reduce a gap, in the end a few
-/// leaves.
+/// samples' box and largest gap. A new ball is compared only with nodes in which it can reduce a gap, so it
+/// reaches only a few leaves.
 class SurfaceGaps {
  public:
   /// @param samples  must outlive this
@@ -22,15 +22,16 @@ class SurfaceGaps {
 
   /// Adds a ball to the union.
   void Add(const Ball& ball);
-  /// Distance from sample i to the union; first_gap_m at the start.
+  /// Distance from sample i to the union; first_gap_m as long as there is no ball.
   [[nodiscard]] float GapAt(std::size_t i) const { return gap_m_[i]; }
 
  private:
   struct Node {
     Eigen::AlignedBox3f box;  ///< relative to origin_m_
-    float max_m{-1.0f};       ///< largest gap of its samples; negative without samples
+    float max_m{-1.0f};       ///< largest gap of the node's samples; negative without samples
   };
-  /// Reduces the gaps below a node by a ball. @param center  of the ball, relative to origin_m_
+  /// Reduces the gaps of the samples below a node to their distances from a ball, if these are smaller.
+  /// @param center  centre of the ball, relative to origin_m_
   void Visit(std::size_t node, const Ball& ball, const Eigen::Vector3f& center);
 
   static constexpr std::size_t kLeafSamples = 8;
@@ -41,13 +42,13 @@ class SurfaceGaps {
   std::vector<float> gap_m_;
 };
 
-/// Adds tangent balls one by one, each at the sample whose gap is then largest relative to its tolerance, and
-/// returns them in this order. The first n of them cover the surface nearly as well as n balls can.
+/// Chooses tangent balls one by one, each at the sample whose measure is largest at that time, and returns
+/// them in this order. The first n balls cover the surface nearly as well as any n balls can.
 ///
-/// The measure is gap / tolerance · √r: a ball closes a gap g over an area of about 2πgr, so of two equal
-/// gaps the one with the larger ball comes first. Sharp edges, which balls cannot fill, then do not use up
-/// all balls.
-/// @param count  balls wanted; 0: until no gap is above its tolerance
+/// The measure is gap / tolerance · √r, r being the radius of the sample's ball. A ball closes a gap g over
+/// an area of about 2πgr, so of two equal gaps, the one with the larger ball comes first. Otherwise sharp
+/// edges, which balls cannot fill, would use up all balls.
+/// @param count  number of wanted balls; 0: until no gap is above its tolerance
 [[nodiscard]] std::vector<Ball> CoverSurface(std::span<const TangentBall> samples, std::size_t count);
 
 }  // namespace osteon::simulation

@@ -13,8 +13,9 @@ namespace {
 constexpr double kOnSurface_m = 1e-7;   // largest distance of a nearest point from the surface
 constexpr double kNormalStep_m = 1e-5;  // step of the differences for a normal
 
-// Appends the surface's points of one cell. The cell is halved down to the spacing while the surface may
-// cross it, which it can't where its distance exceeds half the cell's diagonal.
+// Appends the surface points of one cell. A cell that the surface may cross is divided into eight until its
+// edge is at most the spacing. The surface cannot cross a cell whose centre is farther from it than half the
+// diagonal.
 void Collect(const Solid& solid, const Vector3& middle, double half_m, double spacing_m,
              std::vector<OrientedPoint>& samples) {
   const SurfacePoint nearest = solid.NearestSurface(middle);
@@ -26,7 +27,7 @@ void Collect(const Solid& solid, const Vector3& middle, double half_m, double sp
     }
     return;
   }
-  // outside, a solid may give only a bound: keep only points that are on the surface
+  // Keep the point only if it is on the surface: outside, a solid may return only a bound of the distance.
   if (std::abs(solid.SignedDistance(nearest.p_m)) > kOnSurface_m) return;
   samples.push_back({.p_m = nearest.p_m, .normal = SurfaceNormal(solid, nearest.p_m)});
 }
@@ -39,7 +40,7 @@ Vector3 SurfaceNormal(const Solid& solid, const Vector3& p_m) {
     const Vector3 step = kNormalStep_m * Vector3::Unit(axis);
     gradient[axis] = solid.SignedDistance(p_m + step) - solid.SignedDistance(p_m - step);
   }
-  // on an edge whose sides cancel out, any direction is valid
+  // on an edge whose two sides' normals cancel out, any direction is valid
   return gradient.norm() > 1e-3 * kNormalStep_m ? Vector3(gradient.normalized()) : Vector3(Vector3::UnitZ());
 }
 
@@ -49,7 +50,7 @@ std::vector<OrientedPoint> PointsOfSurface(const Solid& solid, double spacing_m)
   const double side_m = box.sizes().maxCoeff();
   CheckRangeMm("surface samples: spacing", spacing_m, side_m / 2000.0, 0.020);
 
-  // begin a few levels above the samples, so that threads have cells to share
+  // start with cells a few levels coarser than the samples, so that there are cells for all threads
   double cell_m = spacing_m;
   while (cell_m < side_m / 8.0) cell_m *= 2.0;
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().floor().cast<int>() + 1;

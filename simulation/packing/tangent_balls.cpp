@@ -10,16 +10,16 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr std::uint64_t kSampleSalt = 2;  // of the random numbers that place the samples
+constexpr std::uint64_t kSampleSalt = 2;  // salt of the random numbers that place the samples
 
-/// A sample of the surface.
+/// A sample of the surface: a point and the normal there.
 struct Foot {
   Vector3 p_m;
   Vector3 inward;  ///< unit
 };
 
-/// The surface point nearest to a random place in the cell, if it lies in this cell: each part of the surface
-/// then gets its samples only from its own cell.
+/// The surface point nearest to a random point in the cell, if it lies in this cell. So each part of the
+/// surface gets samples only from the cell in which it lies.
 std::optional<Foot> SampleIn(const Cell& cell, const Solid& solid, std::uint64_t salt) {
   CellRandom random(cell, salt);
   const Vector3 p = cell.min_corner() + cell.side_m * random.NextInUnitCube();
@@ -37,11 +37,12 @@ class Search {
       : solid_(solid),
         zone_(zone),
         params_(params),
-        // no ball inside is larger
+        // no ball in the solid can be larger
         max_m_(0.5 * solid.Bounds().sizes().minCoeff()) {}
 
-  /// Largest radius of a ball at the foot that the cap at its centre allows. Caps grow no faster than the
-  /// depth, hence no faster than the radius: every smaller ball is within its cap, too.
+  /// Largest radius of a ball that touches at the foot and is not larger than the cap at its centre. A cap
+  /// grows no faster than the depth, and so no faster than the radius: every smaller ball is within its cap,
+  /// too.
   [[nodiscard]] double Cap(const Foot& foot, double depth_m) const {
     const double spacing = params_.SpacingAt(depth_m);
     const auto allowed = [&](double radius) {
@@ -56,12 +57,14 @@ class Search {
     return low;
   }
 
-  /// The largest ball at the foot with a radius up to `cap_m`; none below min_radius_m. It may miss the foot
-  /// by about `slack_m2` / radius. @param guess_m  radius to begin with
+  /// The largest ball in the solid that touches at the foot, with a radius up to `cap_m`; nothing if it is
+  /// smaller than min_radius_m. The ball may miss the foot by about `slack_m2` / radius.
+  /// @param guess_m  radius with which the search starts
   ///
-  /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): through the foot and the surface point
-  /// nearest to the centre there is one ball tangent at the foot, and no larger one is empty. From a guess
-  /// below the cap (a neighbour's radius) the ball grows until it is not empty.
+  /// Shrinking ball (Ma, Bae, Choi, The Visual Computer 28, 2012): if a ball reaches beyond the surface, it
+  /// is replaced by the smaller one that is tangent at the foot and passes through the surface point nearest
+  /// to the centre. No larger tangent ball is empty (within the solid). From a guess below the cap (a
+  /// neighbour's radius), the ball first grows until it is not empty.
   [[nodiscard]] std::optional<Ball> Largest(const Foot& foot, double cap_m, double guess_m,
                                             double slack_m2) const {
     constexpr int kMaxRounds = 40;

@@ -13,15 +13,17 @@ struct TangentBall {
   float tolerance_m{0.0f};  ///< largest gap that may remain at the foot
 };
 
-/// Finds at most one sample in each cell of a division of the surface with these sides, and the sample's
-/// ball: no larger than the cap at its centre, no smaller than min_radius_m (smaller ones are left out).
+/// Finds at most one sample in each cell of a division of the surface, and the sample's ball. `samples` gives
+/// the cells' sides. A ball is no larger than the cap at its centre; samples whose ball is smaller than
+/// min_radius_m are left out.
 ///
-/// A ball may miss its foot by 0.05 h²/r, h the samples' spacing; the gap grows by more than this
-/// between one sample and the next. On a mesh, the ball that touches an edge has no radius; the allowance
-/// then gives the ball of the smooth surface behind the mesh. No ball leaves the solid.
+/// A ball of radius r may miss its foot by 0.05 h²/r, h being the samples' spacing. This is less than the
+/// gap's growth from one sample to the next. On a mesh, a ball that touches an edge exactly would have radius
+/// 0; with this allowance, it is about the ball that touches the smooth surface which the mesh approximates.
+/// No ball leaves the solid.
 ///
-/// In the octree's order; the same for any number of threads.
-/// @throws std::invalid_argument where there would be more than 100 million.
+/// The samples are in the octree's order, which does not depend on the number of threads.
+/// @throws std::invalid_argument if there would be more than 100 million samples.
 [[nodiscard]] std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zone,
                                                         const PackingParams& params,
                                                         const GradeParams& samples);

@@ -23,7 +23,8 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
     return;
   }
   const SplitParams& params = splitter_->params();
-  std::size_t free_blocks = params.pool_blocks - blocks_in_use();  // without the blocks emptied in this frame
+  // blocks that are emptied in this frame are only free from the next frame on
+  std::size_t free_blocks = params.pool_blocks - blocks_in_use();
   std::size_t splits_left =
       params.blocks_per_frame > 0 ? params.blocks_per_frame : std::numeric_limits<std::size_t>::max();
   std::vector<WaitingBall> waited_before;
@@ -31,7 +32,7 @@ void BallRemoval::Remove(std::span<const Capsule> capsules, std::vector<BallStat
   auto next = waited_before.begin();
   std::vector<std::uint32_t> emptied;
 
-  // each parent: shrink it whole, let it wait for its children, or make and cut its children
+  // for each parent: shrink the ball, or let it wait for its children, or make and cut its children
   for (std::uint32_t i = 0; i < parents_; ++i) {
     std::optional<WaitingBall> waiting;
     if (next != waited_before.end() && next->parent == i) {
@@ -95,7 +96,8 @@ void BallRemoval::Save(const std::vector<BallState>& balls, CarvedState& state) 
     state.split_balls.push_back(i);
     state.split_slots.resize(state.split_slots.size() + 4 * slots);
     const std::span<float> block = std::span(state.split_slots).last(4 * slots);
-    // split_cuts: 0 for a block of children, 1 + number of capsules for a ball that waits for its children
+    // split_cuts: 0 if the block holds children; 1 + number of stored capsules if the ball waits for its
+    // children
     if (waiting != waiting_.end() && waiting->parent == i) {
       state.split_cuts.push_back(static_cast<std::uint32_t>(1 + waiting->cuts.size()));
       splitter_->Save(*waiting++, block);

@@ -12,27 +12,28 @@
 
 namespace osteon::simulation {
 
-/// Pass 3 over balls: removes a frame's capsules from a packing, and splits balls.
+/// Pass 3 of a frame, for the balls: removes the frame's capsules from a packing, and splits balls.
 ///
-/// The caller owns the list of balls: first the bone's own balls, the *parents*, then a pool of blocks of K
-/// children each.
+/// The caller owns the list of balls. First come the bone's own balls, the *parents*, then a pool of blocks
+/// for K children each.
 ///
 ///     parent ──first touch, larger than r_split──▶ block of K children (the parent itself is gone then)
 ///            ──no block left──────────────────────▶ shrinks whole, counted in `refused`
 ///     block  ──its children are all gone──────────▶ free again, from the next frame on
 ///
 /// Each parent is an independent work item that reads and writes only itself and its block. Parents share
-/// only the count of free blocks, which are given out in the order of the parents' numbers. The result
-/// therefore does not depend on scheduling. The choice of a parent's block affects only the order in the
-/// list.
+/// only the number of free blocks, which are assigned in the order of the parents' numbers. The result
+/// therefore does not depend on scheduling. The choice of the block for a parent affects only the order in
+/// the list.
 ///
-/// A frame splits at most SplitParams::blocks_per_frame balls. The others get their block but wait: they
-/// shrink like any ball while the block stores the capsules that hit them. A later frame makes their children
-/// from the ball as it was and cuts them with all these capsules. Such children may fill space that the
-/// shrunken ball had left, but never space outside the original ball or inside the sweep.
+/// A frame splits at most SplitParams::blocks_per_frame balls. Other balls to be split get a block, but wait:
+/// they shrink as unsplit balls do, and their block stores the capsules that hit them. A later frame makes
+/// the children from the ball as it was before these capsules, and cuts them with all stored capsules. Such
+/// children may fill space that the shrunken ball no longer filled, but never space outside the original ball
+/// or inside the sweep.
 ///
-/// Invariants: a child lies in its parent; nothing overlaps a capsule once it was applied; without waiting,
-/// the union never grows.
+/// Invariants: a child lies in its parent; no ball overlaps a capsule that was applied; if no ball waits, the
+/// union of the balls never grows.
 class BallRemoval {
  public:
   /// @throws std::invalid_argument naming the value of `params` that is not accepted.
@@ -40,22 +41,22 @@ class BallRemoval {
   BallRemoval(std::span<const BallState> parents, const SplitParams& params);
 
   /// Applies one frame's capsules, in their order.
-  /// @pre `balls` is the list that the previous frames left; it grows as blocks come into use.
+  /// @pre `balls` is the list that the previous frames left; the list grows when new blocks come into use.
   void Remove(std::span<const Capsule> capsules, std::vector<BallState>& balls);
 
-  /// Number of requests for a block that found none, one per frame and ball. Such balls shrank whole although
-  /// they should have been split.
+  /// Number of requests for a block when no block was free, one per frame and ball. Such a ball shrank
+  /// although it should have been split.
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
   [[nodiscard]] std::size_t blocks_in_use() const { return blocks_ - free_.size(); }
-  /// Largest number of blocks that were in use at a time.
+  /// Largest number of blocks that were in use at the same time.
   [[nodiscard]] std::size_t max_blocks_in_use() const { return blocks_; }
 
-  /// Writes balls and blocks to a state. Blocks are in the order of their parents.
+  /// Writes balls and blocks into a carved state. There, blocks are in the order of their parents.
   void Save(const std::vector<BallState>& balls, CarvedState& state) const;
-  /// Index of a ball of the list in a state that Save writes and Load reads; nothing for a child in a free
-  /// block.
+  /// Converts a ball's index in the list to its index in a state that Save writes; nothing for a child in a
+  /// free block.
   [[nodiscard]] std::optional<std::uint32_t> SavedIndex(std::uint32_t ball) const;
-  /// @throws std::invalid_argument where the state belongs to another packing or other parameters.
+  /// @throws std::invalid_argument if the state belongs to another packing or other parameters.
   void Load(const CarvedState& state, std::vector<BallState>& balls);
 
  private:
@@ -64,17 +65,17 @@ class BallRemoval {
   [[nodiscard]] std::span<BallState> ChildrenOf(std::uint32_t parent, std::vector<BallState>& balls) const {
     return std::span(balls).subspan(ChildAt(static_cast<std::size_t>(block_[parent])), splitter_->slots());
   }
-  /// Gives the parent a free block, or a new one at the end of the list.
+  /// Assigns a free block to the parent, or a new block at the end of the list.
   void TakeBlock(std::uint32_t parent, std::vector<BallState>& balls);
   void FreeBlock(std::uint32_t parent);
 
   std::size_t parents_;
-  std::optional<BallSplitter> splitter_;  ///< nothing where balls are not split
+  std::optional<BallSplitter> splitter_;  ///< empty if balls are not split
   static constexpr std::int32_t kNone = -1;
-  std::vector<std::int32_t> block_;   ///< block of each parent, kNone where it has none
+  std::vector<std::int32_t> block_;   ///< block of each parent; kNone: no block
   std::size_t blocks_{0};             ///< number of blocks that were ever in use
-  std::set<std::uint32_t> free_;      ///< those of them that are free now
-  std::vector<WaitingBall> waiting_;  ///< in ascending order of parents
+  std::set<std::uint32_t> free_;      ///< blocks below blocks_ that are free now
+  std::vector<WaitingBall> waiting_;  ///< balls that wait for their children, in ascending order of parents
   std::uint64_t refused_{0};
 };
 

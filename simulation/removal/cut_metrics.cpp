@@ -9,7 +9,7 @@
 namespace osteon::simulation {
 namespace {
 
-// The largest cutting ball; a tool that does not cut is measured by its first ball.
+// The ball whose apex is measured: the largest cutting ball, or the first ball of a tool that does not cut.
 ToolBall Head(const Tool& tool) {
   const ToolBall* head = CuttingHead(tool);
   return head ? *head : tool.balls.front();
@@ -91,7 +91,8 @@ void ReamedDepth::Add(const FrameRecord& frame) {
 bool ReamedDepth::Cuts() const { return removed_m3_ - from_m3_ >= min_area_m2_ * (deepest_m_ - from_m_); }
 
 double ReamedDepth::depth_m() const {
-  // the rest is shorter than a step; it counts where the step before it did
+  // the last depth is less than a step: it counts if the step before it counted, or if enough bone was
+  // removed in it
   return deepest_m_ > from_m_ && (cuts_ || Cuts()) ? reamed_m_ + (deepest_m_ - from_m_) : reamed_m_;
 }
 

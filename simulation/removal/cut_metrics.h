@@ -10,26 +10,26 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool.h"
 
-// Measures of a cut, independent of the engine that made it.
+// Measures of a cut that do not depend on the engine that made it.
 
 namespace osteon::simulation {
 
-/// Distance from `origin_m` along the unit vector `direction` to the first ball of a union; nothing where the
-/// ray meets none, 0 where the origin lies in a ball.
+/// Distance along a ray from `origin_m` in the unit direction `direction` to the first ball that it meets; 0
+/// if the origin lies in a ball, nothing if the ray meets no ball.
 [[nodiscard]] std::optional<double> FirstHit(std::span<const Ball> balls, const Vector3& origin_m,
                                              const Vector3& direction);
 
-/// The remaining balls; for split balls, their children.
+/// The remaining balls of a state. A split ball is represented by its remaining children.
 [[nodiscard]] std::vector<Ball> LiveBalls(const CarvedState& state);
 
-/// Depth of the tool's apex at a proxy pose, below the cup's first floor (of the uncut balls, along the cup's
-/// axis) [m].
+/// Measures the depth [m] of the tool's apex at a proxy pose along the cup's axis, below the original floor:
+/// the first uncut ball on the axis.
 class ApexDepth {
  public:
   ApexDepth(const Bone& bone, const Tool& tool);
-  /// Depth at a pose; negative above the floor.
+  /// Depth at a pose; negative above the original floor.
   [[nodiscard]] double DepthAt(const Pose& X_GP) const;
-  /// Distance of the first floor from the cup's centre.
+  /// Distance of the original floor from the cup's centre.
   [[nodiscard]] double floor_m() const { return floor_m_; }
 
  private:
@@ -39,21 +39,22 @@ class ApexDepth {
   double floor_m_;
 };
 
-/// Depth of the tool's apex in the bone along the cup's axis since its first touch, gathered frame by frame.
+/// Depth along the cup's axis that the tool's apex has reamed since the first touch, summed up frame by
+/// frame.
 ///
-/// Only new depth in which bone was removed counts. It is divided into steps of 0.25 mm; a step counts where
-/// its removed volume over its depth is at least 0.5 % of the head's cross-section (and 0.2 mm²). A tool that
-/// slides past the bone, or is through it, does not ream.
+/// Only depth that the apex reaches for the first time is counted, in steps of 0.25 mm. A step counts if the
+/// volume removed during it, divided by its depth, is at least 0.5 % of the head's cross-section and 0.2 mm².
+/// So a tool that slides past the bone, or has passed through it, reams no depth.
 class ReamedDepth {
  public:
   ReamedDepth(const Bone& bone, const Tool& tool, const Pose& X_WG);
-  /// Adds a frame. Frames in which the engine reported an error, or without a number (0), are left out.
+  /// Adds a frame. Frames in which the engine reported an error, or whose number is 0, are left out.
   void Add(const FrameRecord& frame);
-  /// Depth so far.
+  /// Reamed depth so far.
   [[nodiscard]] double depth_m() const;
 
  private:
-  /// True where enough bone was removed in the current step.
+  /// True if enough bone was removed in the current step.
   [[nodiscard]] bool Cuts() const;
 
   ApexDepth apex_;
@@ -61,13 +62,14 @@ class ReamedDepth {
   double min_area_m2_;
   double reamed_m_{0.0}, deepest_m_{0.0}, removed_m3_{0.0};
   double from_m_{0.0}, from_m3_{0.0};  // depth and removed volume at the step's beginning
-  bool touched_{false}, cuts_{false};  // the tool has touched the bone; the last whole step counted
+  // touched_: the tool has touched the bone; cuts_: the last complete step counted
+  bool touched_{false}, cuts_{false};
 };
 
-/// Volume of the solid that the tool's cutting balls sweep along a path of proxy poses: the solid's cells of
-/// a regular grid whose centre lies within a ball's radius of the path of the ball's centre. Independent of
-/// balls and mass points.
-/// @param cell_m  edge of a cell; the error falls with the cell's size relative to the cut's
+/// Volume of the part of the solid that the tool's cutting balls sweep along a path of proxy poses. It is the
+/// volume of those cells of a regular grid whose centres lie in the solid and in the sweep of a ball. It does
+/// not depend on the packing and the mass points.
+/// @param cell_m  edge of a cell; the smaller it is relative to the cut, the smaller is the error
 /// @param threads  0: one per core. The volume does not depend on them
 [[nodiscard]] double SweptVolume(const Solid& solid, const Tool& tool, std::span<const Pose> X_GP,
                                  double cell_m, int threads = 0);

@@ -12,8 +12,8 @@ namespace osteon::simulation {
 namespace {
 
 /// Two consecutive capsules are joined into one if the point where they meet lies within this distance of the
-/// straight line between their outer ends [m]. It is the error of single precision 30 mm from the origin. The
-/// children may then overlap by as much.
+/// straight line between their outer ends [m]. This is the rounding error of single precision 30 mm from the
+/// origin. Children may overlap the sweep by this distance.
 constexpr double kCollinear_m = 2e-8;
 
 /// @throws std::invalid_argument naming the value that is not accepted.
@@ -34,7 +34,8 @@ double Penetration(const BallState& ball, const Capsule& capsule) {
   return ball.radius_m + capsule.radius_m - (ball.center_m - q).norm();
 }
 
-/// Appends a capsule, or lengthens the last one where `next` continues straight on.
+/// Appends a capsule to the list. If `next` continues the last capsule in a straight line, the last one is
+/// lengthened instead.
 void Append(const Capsule& next, std::vector<Capsule>& list) {
   if (!list.empty()) {
     Capsule& last = list.back();
@@ -61,7 +62,7 @@ void ShrinkInto(const BallState& ball, BallState& other) {
   other.center_m += 0.5 * out / distance * towards_ball;
 }
 
-/// Stores centre and radius in millimetres.
+/// Stores centre and radius as four floats, in millimetres.
 void ToFloats(const Vector3& p_m, double r_m, float* four) {
   for (int axis = 0; axis < 3; ++axis) four[axis] = static_cast<float>(p_m[axis] * 1e3);
   four[3] = static_cast<float>(r_m * 1e3);
@@ -76,7 +77,7 @@ BallState FromFloats(const float* four) {
 BallState RoundToStored(const BallState& ball) {
   float four[4];
   ToFloats(ball.center_m, ball.radius_m, four);
-  // GCC 12.2 at -O3 optimises the rounding away where it sees both conversions
+  // volatile, because GCC 12.2 at -O3 optimises the rounding away if it sees both conversions
   const volatile float* rounded = four;
   const float read[4] = {rounded[0], rounded[1], rounded[2], rounded[3]};
   return FromFloats(read);
@@ -100,7 +101,7 @@ bool BallSplitter::ShouldSplit(const BallState& ball, std::span<const Capsule> c
   bool touched = false;
   for (const Capsule& capsule : capsules) {
     const double p = Penetration(ball, capsule);
-    if (p >= 2.0 * ball.radius_m) return false;  // removed as a whole
+    if (p >= 2.0 * ball.radius_m) return false;  // the capsule removes the whole ball
     touched = touched || p > 0.0;
   }
   return touched;

@@ -16,20 +16,21 @@
 namespace osteon::simulation {
 namespace {
 
-// Lengths are in radii of the parent. Largest distance of the centres: with a smaller one a cut removes more,
-// a larger one leaves the rim bare.
+// Largest distance of a child's centre from its parent's, in radii of the parent, as all lengths here. With a
+// smaller value, a cut removes more bone; with a larger one, it leaves gaps at the rim.
 constexpr double kReach = 0.6;
-// Radius of the small children of an exposed ball, and the angle from the pole within which they lie.
+// Radius of the small children of an exposed ball, and the largest angle between the pole and their centres.
 constexpr double kCapRadius = 0.25, kCapAngle = 35.0 / 180.0 * std::numbers::pi;
 const double kGoldenAngle = std::numbers::pi * (3.0 - std::sqrt(5.0));
 
-/// Point i of n spread evenly over the sphere's cap from the pole down to z = lowest: a spiral.
+/// Point i of n points that are spread evenly over the unit sphere's cap z >= lowest, along a spiral from the
+/// pole.
 Vector3 OnSpiral(std::uint32_t i, std::uint32_t n, double lowest) {
   const double z = 1.0 - (1.0 - lowest) * (i + 0.5) / n, ring_radius = std::sqrt(1.0 - z * z);
   return {ring_radius * std::cos(kGoldenAngle * i), ring_radius * std::sin(kGoldenAngle * i), z};
 }
 
-/// A cubic lattice of about `count` points in the ball.
+/// The points of a cubic lattice in a ball about the origin: about `count` points.
 std::vector<Vector3> LatticeInBall(double radius, double count) {
   const double side = radius * std::cbrt(4.0 / 3.0 * std::numbers::pi / count);
   const int n = static_cast<int>(std::ceil(radius / side)) + 1;
@@ -37,13 +38,14 @@ std::vector<Vector3> LatticeInBall(double radius, double count) {
   for (int k = -n; k <= n; ++k)
     for (int j = -n; j <= n; ++j)
       for (int i = -n; i <= n; ++i) {
-        const Vector3 p = side * Vector3(i + 0.31, j + 0.17, k + 0.43);  // offset that breaks every symmetry
+        const Vector3 p = side * Vector3(i + 0.31, j + 0.17, k + 0.43);  // the offset avoids every symmetry
         if (p.norm() <= radius) points.push_back(p);
       }
   return points;
 }
 
-/// Lloyd's relaxation from random places: each centre moves to the mean of the points nearest to it.
+/// Spreads `count` centres in a ball by Lloyd's relaxation from random places: in each round, a centre moves
+/// to the mean of the lattice points that are nearer to it than to any other centre.
 std::vector<Vector3> SpreadInBall(int count, double radius) {
   const std::vector<Vector3> space = LatticeInBall(radius, 60.0 * count);
   std::vector<Vector3> centers;
@@ -120,8 +122,10 @@ SplitTemplate::SplitTemplate(int children) : children_(children) {
 
 std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m, int threads) {
   constexpr std::uint32_t kDirections = 48;
-  constexpr double kJustOutside = 1.001, kTouch_m = 1e-9;  // in radii; gap below which balls touch
-  // if the mean of the bare directions is shorter than this, they point everywhere
+  constexpr double kJustOutside = 1.001,
+                   // radius of the tested points, over the ball's; gap below which balls touch
+      kTouch_m = 1e-9;
+  // if the mean of the uncovered directions is shorter than this, there is no single exposed side
   constexpr double kOneSided = 0.3;
   std::vector<Ball> solid;
   std::copy_if(balls.begin(), balls.end(), std::back_inserter(solid),
@@ -130,7 +134,8 @@ std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_r
   std::vector<std::uint16_t> shapes(balls.size());
   ParallelFor(balls.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      // a rotation by the ball's index, unless a side is bare: Fibonacci hashing, the upper six bits of 32
+      // default shape: a rotation that follows from the ball's index by Fibonacci hashing (the upper six of
+      // 32 bits)
       std::uint32_t shape = (static_cast<std::uint32_t>(i) * 2654435761u) >> 26;
       Vector3 bare_sum = Vector3::Zero();
       int count = 0;

@@ -9,7 +9,8 @@
 
 namespace osteon::simulation {
 
-/// One child of a ball that is split, in units of its parent: |x| + radius < 1, so that it lies inside.
+/// One child of a split ball: centre x relative to the parent's centre, and radius, both in radii of the
+/// parent. |x| + radius < 1, so the child lies inside its parent.
 struct SplitChild {
   Vector3 x{Vector3::Zero()};
   double radius{0.0};
@@ -25,15 +26,15 @@ struct SplitChild {
 ///            \  o   o /     neighbours differ                        |  o (o) o  |    where no other ball
 ///              ------                                                 \    o    /     covers this one
 ///
-/// Large overlapping children lose least to a cut. At the rim of a cut, where it leaves the bone, only small
-/// children fill the edge. A ball's shape follows from the uncut packing alone, never from the cut or from
-/// time, so a ball is always split in the same way. Values are floats, and radii are reduced by a millionth,
-/// so that single precision keeps children inside their parents.
+/// Large overlapping children lose the least bone in a cut. At the rim, where a cut meets the bone's surface,
+/// only small children fill the edge. The shape of a ball (its set of children in the table) depends on the
+/// uncut packing only, so a ball is always split in the same way. Values are rounded to floats and radii are
+/// reduced by a millionth, so that children stay inside their parents in single precision, too.
 class SplitTemplate {
  public:
   static constexpr std::uint32_t kRotations = 64, kPoles = 256, kShapes = kRotations + kPoles;
 
-  /// @throws std::invalid_argument where children is not 8 … 1024.
+  /// @throws std::invalid_argument if `children` is not 8 … 1024.
   explicit SplitTemplate(int children);
 
   [[nodiscard]] int children() const { return children_; }
@@ -50,10 +51,10 @@ class SplitTemplate {
   std::vector<SplitChild> table_;
 };
 
-/// Computes the shape of each ball of a packing: the pole nearest to the mean direction in which no other
-/// ball covers its surface, or a rotation by its index where there is no such direction. Balls smaller than
-/// min_radius_m are never split and get rotations without a search. The same for any number of threads (0:
-/// one per core).
+/// Computes the shape of each ball of a packing. For an exposed ball: the pole nearest to the mean of the
+/// directions in which no other ball covers its surface. For a buried ball: a rotation that follows from its
+/// index. Balls of at most min_radius_m are never split, and get rotations without a search. The result does
+/// not depend on the number of threads (0: one per core).
 [[nodiscard]] std::vector<std::uint16_t> SplitShapes(std::span<const Ball> balls, double min_radius_m,
                                                      int threads = 0);
 

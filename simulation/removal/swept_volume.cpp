@@ -8,7 +8,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr int kBlock = 8;  // blocks of this many cells along each edge are decided at once
+constexpr int kBlock = 8;  // cells along the edge of a block, which may be decided as a whole
 
 }  // namespace
 
@@ -17,8 +17,9 @@ double SweptVolume(const Solid& solid, const SweptTool& swept, double cell_m, in
   if (swept.empty() || cells.isEmpty()) return 0.0;
   const Eigen::Vector3i count = (cells.sizes() / cell_m).array().ceil().max(1.0).cast<int>();
   const Vector3 step = cells.sizes().array() / count.cast<double>().array();
-  // A signed distance changes by at most the distance between two places. A block therefore holds nothing
-  // where its centre is farther outside than reach_m; where it is farther inside, all its cells count.
+  // Between two points, a signed distance changes by at most the distance of the points. If a block's centre
+  // is farther than reach_m outside the sweep, no cell of the block is swept. If it is farther than reach_m
+  // inside the sweep or the solid, all its cells lie inside.
   const Eigen::Vector3i blocks = (count + Eigen::Vector3i::Constant(kBlock - 1)) / kBlock;
   const double reach_m = 0.5 * (kBlock - 1) * step.norm() * (1.0 + 1e-9);
   const auto block_count = static_cast<std::size_t>(blocks.x()) * static_cast<std::size_t>(blocks.y()) *

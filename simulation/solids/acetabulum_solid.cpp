@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMinWall_m = 0.002;  // bone beside and below the cup
+constexpr double kMinWall_m = 0.002;  // smallest thickness of the bone beside and below the cup
 
 }  // namespace
 
@@ -36,10 +36,11 @@ SurfacePoint AcetabulumSolid::NearestSurface(const Vector3& p_m) const {
       from_center > 0.0 ? Vector3(p_m * (R / from_center)) : Vector3(-R * Vector3::UnitZ());
 
   if (block_.contains(p_m)) {
-    // In the cup, the sphere is nearest: the walls around it are at least as far as the rim.
+    // In the cup, the nearest point lies on the sphere: the block's faces are at least as far away as the
+    // rim.
     if (from_center < R) return {.p_m = on_sphere, .distance_m = R - from_center};
-    // In bone: the sphere or a face. Where the foot on the top face lies over the opening, the sphere is
-    // nearer.
+    // In bone, the nearest point lies on the sphere or on a face of the block. If the foot on the top face
+    // lies over the opening, the sphere is nearer in any case.
     SurfacePoint nearest{.p_m = on_sphere, .distance_m = R - from_center};
     for (int axis = 0; axis < 3; ++axis) {
       for (const double wall : {block_.min()[axis], block_.max()[axis]}) {
@@ -51,7 +52,8 @@ SurfacePoint AcetabulumSolid::NearestSurface(const Vector3& p_m) const {
     }
     return nearest;
   }
-  // Outside the block: its nearest point, or the rim where that point lies over the opening.
+  // Outside the block: the block's nearest point or, if that point lies over the opening, the nearest point
+  // of the rim.
   Vector3 foot = p_m.cwiseMax(block_.min()).cwiseMin(block_.max());
   const double off_axis = std::hypot(foot.x(), foot.y());
   if (p_m.z() > 0.0 && off_axis < R) {

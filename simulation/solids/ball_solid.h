@@ -13,7 +13,8 @@ class BallSolid final : public Solid {
     CheckRangeMm("ball: radius", radius_m, 0.1e-3, 0.5);
   }
 
-  /// Exact inside and outside; at the centre any point of the surface is the nearest.
+  /// The distance is exact inside and outside. At the centre, all points of the surface are equally near; one
+  /// of them is returned.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override {
     const double distance_m = p_m.norm();
     const Vector3 out = distance_m > 0.0 ? Vector3(p_m / distance_m) : Vector3(Vector3::UnitX());

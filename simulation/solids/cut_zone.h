@@ -11,7 +11,8 @@
 
 namespace osteon::simulation {
 
-/// Where a bone is going to be cut. The depth below this zone decides how fine balls and points are.
+/// The part of a bone that is going to be cut. The depth below this zone determines how fine balls and mass
+/// points are.
 class CutZone {
  public:
   CutZone() = default;
@@ -19,8 +20,8 @@ class CutZone {
   CutZone(const CutZone&) = delete;
   CutZone& operator=(const CutZone&) = delete;
 
-  /// Depth of p, in G, below the cuttable surface; negative within the bone that is cut away.
-  /// Between two places it changes by at most their distance (1-Lipschitz).
+  /// Depth of p (in G) below the cuttable surface; negative in the bone that will be cut away. Between two
+  /// places it changes by at most their distance (1-Lipschitz).
   [[nodiscard]] virtual double DepthAt(const Vector3& p_m) const = 0;
 };
 
@@ -30,8 +31,8 @@ class EverywhereZone final : public CutZone {
   [[nodiscard]] double DepthAt(const Vector3&) const override { return 0.0; }
 };
 
-/// A cup: the distance to the volume that a reamer of its radius sweeps on its way in (the ray from the cup's
-/// centre along its axis, thickened by the radius).
+/// A cup. The depth is the distance to the volume that a reamer of the cup's radius sweeps on its way in: all
+/// points within this radius of the ray from the cup's centre along its axis.
 class CupZone final : public CutZone {
  public:
   explicit CupZone(const CutSite& cup) : cup_(cup) {}
@@ -45,10 +46,12 @@ class CupZone final : public CutZone {
   CutSite cup_;
 };
 
-/// A planned tool path: the distance to a polyline of the tool's centre, thickened by the tool's radius.
+/// A planned tool path. The depth is the distance to the polyline of the tool's centre, less the tool's
+/// radius.
 class PathZone final : public CutZone {
  public:
-  /// @throws std::invalid_argument where there is no point, one is not finite, or the radius is not positive.
+  /// @throws std::invalid_argument if there is no point, a point is not finite, or the radius is not
+  ///   positive.
   PathZone(std::vector<Vector3> centers_m, double radius_m);
   [[nodiscard]] double DepthAt(const Vector3& p_m) const override;
 

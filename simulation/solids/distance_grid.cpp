@@ -8,8 +8,9 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kOutside = -1.0;  // stands for a depth of a node outside the solid [m]
-constexpr int kBlock = 6;          // nodes along a block; one query may show that all of it is outside
+constexpr double kOutside = -1.0;  // depth that is stored for a node outside the solid [m]
+// nodes along the edge of a block; one query may show that the whole block is outside
+constexpr int kBlock = 6;
 
 }  // namespace
 
@@ -48,7 +49,7 @@ double DistanceGrid::LowerBound(const Vector3& p_m) const {
     at[axis] = static_cast<int>(t);
   }
   const double depth = depth_m_[At(at[0], at[1], at[2])];
-  // subtract a picometre for rounding
+  // subtract a picometre, because rounding must not make the bound too large
   return depth - (p_m - Node(at[0], at[1], at[2])).norm() - 1e-12;
 }
 

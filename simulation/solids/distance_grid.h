@@ -7,19 +7,19 @@
 
 namespace osteon::simulation {
 
-/// Distances into a solid at the nodes of a cubic grid. They give a fast bound for the distance at any point,
-/// which saves most exact queries deep inside, and a first estimate of where the solid is thick.
+/// Distances into a solid at the nodes of a cubic grid. They give a fast lower bound of the distance at any
+/// point, which saves most exact queries deep inside. Their local maxima show where the solid is thick.
 class DistanceGrid {
  public:
   /// @param nodes_along  approximate number of nodes along the longest side of the solid's bounds
   DistanceGrid(const Solid& solid, int nodes_along, int threads);
 
-  /// Lower bound of the distance from p to the surface: the distance of the nearest node, less the way to it.
-  /// Negative where the grid gives no bound.
+  /// Lower bound of the depth of p, its distance from the surface: the depth of the nearest node, less the
+  /// distance to this node. Negative if the grid gives no bound.
   [[nodiscard]] double LowerBound(const Vector3& p_m) const;
 
-  /// Nodes inside the solid at least as far from the surface as all 26 nodes around them, in the grid's
-  /// order.
+  /// Nodes inside the solid that are at least as far from the surface as all 26 neighbouring nodes, in the
+  /// grid's order.
   [[nodiscard]] std::vector<Vector3> LocalMaxima() const;
 
   [[nodiscard]] double spacing_m() const { return spacing_m_; }
@@ -35,7 +35,7 @@ class DistanceGrid {
   Vector3 low_m_;
   double spacing_m_;
   std::array<int, 3> count_{};
-  std::vector<double> depth_m_;  ///< negated signed distance; -1 where the node is surely outside
+  std::vector<double> depth_m_;  ///< negated signed distance of each node; -1: the node is certainly outside
 };
 
 }  // namespace osteon::simulation

@@ -9,17 +9,18 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kMeshStep_m = 1e-3;  // side of the cells that the mesh is made in
-constexpr double kFillet_m = 6e-3;    // distance over which head and neck are joined
+constexpr double kMeshStep_m = 1e-3;  // step of the grid on which the mesh is made
+constexpr double kFillet_m = 6e-3;    // size of the fillet between head and neck
 
-// Level function, negative inside: the ball and the rod, joined where they are within the fillet, minus the
-// part beyond the cut.
+// Level function, negative inside: the ball and the rod, smoothly joined, without the part beyond the saw
+// cut.
 double HeadAndNeck(const FemoralHeadShape& s, const Vector3& p_m) {
   const Vector3 down(std::sin(s.neck_tilt_rad), 0.0, -std::cos(s.neck_tilt_rad));
   const double along_m = p_m.dot(down);
   const double head_m = p_m.norm() - s.head_radius_m;
   const double neck_m = (p_m - std::max(0.0, along_m) * down).norm() - s.neck_radius_m;
-  // rounds the joint: 1 where head and neck are equally near, 0 beyond the fillet
+  // weight of the fillet: 1 where head and neck are equally near, 0 where their distances differ by kFillet_m
+  // or more
   const double near = std::max(0.0, 1.0 - std::abs(head_m - neck_m) / kFillet_m);
   const double joined_m = std::min(head_m, neck_m) - 0.25 * kFillet_m * near * near;
   return std::max(joined_m, along_m - s.neck_length_m);
@@ -47,7 +48,7 @@ LoadedMesh Loaded(const FemoralHeadShape& shape) {
 
 void CheckShape(const FemoralHeadShape& s) {
   CheckRangeMm("femoral head: head radius", s.head_radius_m, 0.010, 0.040);
-  // narrower than the head by the fillet, or no head would remain
+  // the neck must be narrower than the head by half the fillet, or no head would remain
   CheckRangeMm("femoral head: neck radius", s.neck_radius_m, 0.005, s.head_radius_m - 0.5 * kFillet_m);
   CheckRangeMm("femoral head: neck length", s.neck_length_m, s.head_radius_m + 0.005, 0.100);
   if (!(s.neck_tilt_rad >= 0.0 && s.neck_tilt_rad <= 1.05))

@@ -10,7 +10,7 @@ struct FemoralHeadShape {
   double head_radius_m{0.024};
   double neck_radius_m{0.015};
   double neck_length_m{0.045};  ///< from the head's centre to the saw cut across the neck
-  double neck_tilt_rad{0.611};  ///< of the neck against straight down, towards +x: 35 degrees
+  double neck_tilt_rad{0.611};  ///< angle between the neck and -z, towards +x: 35 degrees
   double cartilage_m{0.0};      ///< thickness, the same everywhere; 0: worn off
   double cortical_m{0.0015};    ///< thickness of the cortical bone below the cartilage
 };
@@ -22,7 +22,7 @@ void CheckShape(const FemoralHeadShape& shape);
 /// down and towards +x. The surface that a tool meets from above is convex.
 ///
 /// Outside: a ball and a rod, joined by a fillet, as a mesh of 1 mm; distances are exact for that mesh.
-/// Inside, the depth below the surface decides the tissue, below the saw cut as well.
+/// The tissue depends on the depth below the surface, also below the saw cut.
 class FemoralHeadSolid final : public Solid {
  public:
   enum Tissue : MaterialIndex { kCartilage = 0, kCortical = 1, kCancellous = 2 };

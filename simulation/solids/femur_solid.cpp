@@ -10,7 +10,7 @@
 namespace osteon::simulation {
 namespace {
 
-// Section at height z: sizes go over from those at the saw cut to those of the shaft.
+// Section at height z. Its sizes change smoothly from those at the saw cut to those of the shaft.
 FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
   // 0 at the saw cut … 1 where the shaft begins, with zero slope at both ends
   const double u = std::clamp(-z_m / s.flare_m, 0.0, 1.0), down = u * u * (3.0 - 2.0 * u);
@@ -29,7 +29,7 @@ FemurSolid::Section SectionAt(const FemurShape& s, double z_m) {
 }  // namespace
 
 void CheckShape(const FemurShape& s) {
-  constexpr double kMin_m = 0.2e-3;  // of walls and marrow
+  constexpr double kMin_m = 0.2e-3;  // smallest accepted size of walls and marrow
   CheckRangeMm("femur: length", s.length_m, 0.020, 0.400);
   CheckRangeMm("femur: flare", s.flare_m, 0.005, s.length_m);
   CheckRangeMm("femur: shaft radius", s.shaft_radius_m, 0.005, 0.040);
@@ -39,7 +39,7 @@ void CheckShape(const FemurShape& s) {
   CheckRangeMm("femur: medial shift", s.medial_shift_m, 0.0, 0.5 * s.top_radius_m);
   CheckRangeMm("femur: shaft wall", s.shaft_wall_m, kMin_m, 0.7 * s.shaft_radius_m);
   CheckRangeMm("femur: top wall", s.top_wall_m, kMin_m, 0.5 * s.top_radius_m);
-  // room for lining and marrow, across the narrow side of the shaft
+  // space for lining and marrow within the wall, along the shaft's short half axis
   const double room_m = 2.0 * s.shaft_radius_m / (1.0 + s.oval_ratio) - s.shaft_wall_m;
   CheckRangeMm("femur: shaft lining", s.shaft_lining_m, 0.0, room_m - kMin_m);
   CheckRangeMm("femur: top marrow radius", s.top_marrow_radius_m, kMin_m,

@@ -12,14 +12,14 @@ namespace {
 /// Inertia from the second moment, the integral of x xᵀ over the mass.
 Matrix3 InertiaOfSecondMoment(const Matrix3& moment) { return moment.trace() * Matrix3::Identity() - moment; }
 
-/// Inertia that a mass of 1 adds at distance d (parallel axes).
+/// Inertia of a unit point mass at the position d (parallel-axis theorem).
 Matrix3 UnitInertiaAt(const Vector3& d) { return InertiaOfSecondMoment(d * d.transpose()); }
 
 }  // namespace
 
 MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3) {
   if (mesh.triangles.empty()) return {};
-  // sum relative to a point of the mesh: far from the origin, large terms would cancel
+  // sum relative to a point of the mesh: far from the origin, large terms would cancel and lose digits
   const Vector3 origin = mesh.vertices_m[mesh.triangles.front()[0]];
   double six_volumes = 0.0;
   Vector3 first_moment = Vector3::Zero();
@@ -28,7 +28,7 @@ MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_pe
     const Vector3 a = mesh.vertices_m[t[0]] - origin, b = mesh.vertices_m[t[1]] - origin,
                   c = mesh.vertices_m[t[2]] - origin;
     const double six_v = a.dot(b.cross(c));
-    const Vector3 sum = a + b + c;  // of the corners: the fourth one is the origin
+    const Vector3 sum = a + b + c;  // sum of the corners; the fourth corner is the origin, and adds nothing
     six_volumes += six_v;
     first_moment += six_v * sum;
     second_moment +=
@@ -54,7 +54,8 @@ MassProperties MeshMassProperties(const LoadedMesh& loaded, std::span<const doub
   for (std::size_t i = 0; i < loaded.regions.size(); ++i) {
     const MeshRegion& region = loaded.regions[i];
     const std::size_t around = region.parent ? *region.parent + 1 : 0;
-    // count only the difference to the tissue around it, which the volume there already holds
+    // use the difference of densities, because the surrounding tissue already contains this volume with its
+    // own density
     bodies.push_back(MeshMassProperties(region.mesh, density(i + 1) - density(around)));
     bodies.back().volume_m3 = 0.0;
   }

@@ -16,30 +16,30 @@ struct MassProperties {
   Matrix3 inertia_kg_m2{Matrix3::Zero()};  ///< about the centre of mass, along G's axes
 };
 
-/// Mass properties of a body that fills a closed mesh evenly: exact, a sum over the tetrahedra between the
-/// triangles and one point. For a tetrahedron of volume V with corners v_0 … v_3,
+/// Mass properties of a body of even density that fills a closed mesh. They are exact: a sum over the
+/// tetrahedra that the triangles form with one point. For a tetrahedron of volume V with corners v_0 … v_3,
 ///
 ///     ∫ x dV = V/4 Σ v_i        ∫ x xᵀ dV = V/20 (Σ v_i v_iᵀ + Σ v_i Σ v_iᵀ)
 ///
-/// @param density_kg_per_m3  may be negative for a removed part: mass and inertia are then negative, too.
-/// Source: Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, J. Math. Stat. 1, 2005.
+/// @param density_kg_per_m3  may be negative for a removed part: mass and inertia are negative then. Source:
+/// Tonon, Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor, J. Math. Stat. 1, 2005.
 [[nodiscard]] MassProperties MeshMassProperties(const TriangleMesh& mesh, double density_kg_per_m3);
 
 /// Mass properties of a solid with regions of other densities. Layers are ignored.
-/// @param densities_kg_per_m3  the solid's density, then one for each of loaded.regions; the last one is used
-///   for regions without their own
-/// @throws std::invalid_argument where there is no density.
+/// @param densities_kg_per_m3  the solid's density, then one for each of loaded.regions; the last density is
+///   used for all regions beyond the list
+/// @throws std::invalid_argument if there is no density.
 [[nodiscard]] MassProperties MeshMassProperties(const LoadedMesh& loaded,
                                                 std::span<const double> densities_kg_per_m3);
 
-/// Mass properties of a cloud of mass points. Each counts as an even ball of its volume (for its small part
-/// of the inertia).
-/// @throws std::invalid_argument where a point's material is not in the list.
+/// Mass properties of a cloud of mass points. Each point is treated as an even ball of its volume; this adds
+/// a small part of the inertia.
+/// @throws std::invalid_argument if a point's material is not in the list.
 [[nodiscard]] MassProperties PointMassProperties(std::span<const MassPoint> points,
                                                  std::span<const Material> materials);
 
-/// Mass properties of several bodies together. Volumes are added even where bodies overlap. Without mass, the
-/// centre is the origin.
+/// Mass properties of several bodies together. Overlapping volume is counted for each body. If the total mass
+/// is zero, the centre is the origin.
 [[nodiscard]] MassProperties Combine(std::span<const MassProperties> bodies);
 
 }  // namespace osteon::simulation

@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-// True where part of a tissue may consist of this material.
+// True if part of a tissue may consist of this material.
 bool Mentions(const LiningTissue& tissue, MaterialIndex material) {
   return tissue.core == material || std::ranges::any_of(tissue.layers, [material](const TissueLayer& layer) {
            return layer.material == material;
@@ -31,7 +31,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh)
   std::vector<Vector3> corner_normals(mesh.vertices_m.size(), Vector3::Zero());
   using EdgeEnds = std::pair<std::uint32_t, std::uint32_t>;
   std::map<EdgeEnds, Vector3> edge_normals;
-  // both ends of a triangle's k-th edge, the smaller index first
+  // the two vertices of a triangle's k-th edge, the smaller index first
   const auto edge = [&mesh](std::size_t t, int k) -> EdgeEnds {
     const std::uint32_t i = mesh.triangles[t][k], j = mesh.triangles[t][(k + 1) % 3];
     return std::minmax(i, j);
@@ -39,7 +39,7 @@ MeshDistance::MeshDistance(const TriangleMesh& mesh)
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Vector3, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = mesh.vertices_m[mesh.triangles[t][k]];
-    // zero where the triangle is a needle
+    // zero if the triangle has no area
     const Vector3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
     face_normals_[t] = normal;
     for (int k = 0; k < 3; ++k) {

@@ -12,8 +12,8 @@ namespace osteon::simulation {
 
 /// Signed distances to a closed surface: negative inside.
 ///
-/// The angle-weighted pseudonormal of the nearest face, edge or vertex gives the sign; this is correct for
-/// every closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
+/// The sign follows from the angle-weighted pseudonormal of the nearest face, edge or vertex. It is correct
+/// for every closed manifold. Source: Baerentzen, Aanaes, IEEE Trans. Vis. Comput. Graph. 11, 2005.
 class MeshDistance {
  public:
   /// @pre CheckMesh accepts the mesh.
@@ -32,9 +32,9 @@ class MeshDistance {
   MeshBvh bvh_;
   Eigen::AlignedBox3d box_;
   // Separate arrays, because nearly every search ends on a face and should load only the faces' normals. Only
-  // those have unit length.
-  std::vector<Vector3> face_normals_;                   ///< by triangle
-  std::vector<Vector3> edge_normals_, corner_normals_;  ///< three a triangle
+  // the faces' normals have unit length.
+  std::vector<Vector3> face_normals_;                   ///< one for each triangle
+  std::vector<Vector3> edge_normals_, corner_normals_;  ///< three for each triangle
 };
 
 /// The solid that a closed mesh bounds, with the regions of other tissue in it.
@@ -47,11 +47,12 @@ class MeshSolid final : public Solid {
 
   /// Distance to the solid's boundary: its outer surface and its cavities. Regions bound nothing.
   [[nodiscard]] SurfacePoint NearestSurface(const Vector3& p_m) const override;
-  /// The tissue of the innermost region around p, by the depth below that region's surface; outside all
-  /// regions, that of the solid. At most one search for each region whose box holds p, and one more; none
-  /// where the tissue is the same at every depth.
+  /// The tissue at p. It depends on the depth below the surface of the innermost region around p; outside all
+  /// regions, on the depth below the solid's surface. Cost: at most one search for each region whose box
+  /// contains p, and one more search unless the tissue there is the same at every depth.
   [[nodiscard]] MaterialIndex MaterialAt(const Vector3& p_m) const override;
-  /// Nearest point of the regions' surfaces, for a material that fills whole regions and occurs only there.
+  /// Nearest point on the surfaces of the regions that consist of this material. Nothing unless the material
+  /// fills whole regions and occurs nowhere else.
   [[nodiscard]] std::optional<SurfacePoint> RegionDistance(MaterialIndex material,
                                                            const Vector3& p_m) const override;
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const override { return boundary_.bounds(); }
@@ -62,7 +63,7 @@ class MeshSolid final : public Solid {
   [[nodiscard]] const ShellTissue& Tissue(std::size_t shell) const;
 
   MeshDistance boundary_;
-  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< outer regions before those inside them
+  std::vector<std::unique_ptr<MeshDistance>> regions_;  ///< a region comes before the regions inside it
   TissueMap tissue_;
 };
 

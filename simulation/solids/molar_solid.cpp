@@ -14,21 +14,21 @@ namespace {
 // negative inside, zero on the surface.
 constexpr double kLength_mm = 20.6, kCrown_mm = 7.2, kRoot_mm = kLength_mm - kCrown_mm;
 
-/// Top of a cusp, and its height above the bowl.
+/// Position of a cusp's top, and its height above the bowl of the occlusal surface.
 struct Cusp {
   double x, y, height;
 };
 constexpr std::array<Cusp, 4> kCusps{
     {{2.7, 2.3, 1.85}, {2.7, -2.3, 1.75}, {-2.6, 2.3, 1.65}, {-2.6, -2.3, 1.6}}};
 
-/// The smaller value; rounded off where the two differ by less than `reach`.
+/// Smooth minimum: the smaller of both values, rounded off if they differ by less than `reach`.
 double SmoothMin(double a, double b, double reach) {
   const double h = std::max(reach - std::abs(a - b), 0.0) / reach;
   return std::min(a, b) - 0.25 * reach * h * h;
 }
 double SmoothMax(double a, double b, double reach) { return -SmoothMin(-a, -b, reach); }
 
-/// Bell curve of height 1 at the squared distance `distance2` from its centre.
+/// Value of a bell curve of height 1 at the squared distance `distance2` from its centre.
 double Bump(double distance2, double width) { return std::exp(-0.5 * distance2 / (width * width)); }
 
 /// Height of the occlusal surface: cusps over a bowl, less the fissures between them.
@@ -45,18 +45,20 @@ double Occlusal(double x, double y) {
 
 /// The body of the tooth: crown, neck and the trunk above the roots.
 double Body(const Vector3& p) {
-  // half widths a and b along x and y: bulging in the crown, narrow at the neck
+  // half widths a and b along x and y: they bulge in the crown and are small at the neck
   const double u = std::clamp(p.z() / kCrown_mm, -0.6, 1.1);
   const double bulge = u > 0.0 ? std::sin(std::min(u, 1.0) * 2.6) : 0.9 * u;
   const double a = 4.55 + 0.85 * bulge, b = 4.15 + 0.85 * bulge;
-  constexpr double kSquare = 2.6;  // exponent: between an ellipse (2) and a rectangle
+  // exponent of the outline, whose shape is between an ellipse (2) and a rectangle (infinite)
+  constexpr double kSquare = 2.6;
   const double across = std::pow(std::abs(p.x()) / a, kSquare) + std::pow(std::abs(p.y()) / b, kSquare);
   const double below = p.z() < 0.0 ? std::pow(p.z() / -4.6, 4.0) : 0.0;
   const double side = (std::pow(across + below, 1.0 / kSquare) - 1.0) * std::min(a, b);
   return SmoothMax(side, p.z() - Occlusal(p.x(), p.y()), 1.2);
 }
 
-/// Axis of a root at a share t of its length; front = +1 or -1. Roots spread and bend backwards.
+/// Point on a root's axis at the fraction t of the root's length; front = +1 or -1. The roots spread and bend
+/// backwards.
 Vector3 RootAxis(double front, double t) {
   const double x = front * (2.35 + 1.5 * t) - 1.6 * t * t;
   return {x, 0.0, -kRoot_mm * t};
@@ -66,11 +68,11 @@ Vector3 RootAxis(double front, double t) {
 double Root(const Vector3& p, double front) {
   const double t = std::clamp(-p.z() / kRoot_mm, -0.1, 1.2);
   const Vector3 axis = RootAxis(front, t);
-  // flat: narrow along x, wide along y; tapered, and round at the tip
+  // half widths a along x (narrow) and b along y (wide); the root tapers, and is round at the tip
   const double a = 1.95 - 0.95 * t, b = 3.7 - 2.0 * t;
   const double dx = (p.x() - axis.x()) / a, dy = p.y() / b;
   const double tip = t > 0.0 ? std::pow(-p.z() / kRoot_mm, 8.0) : 0.0;
-  const double above = p.z() > 0.0 ? p.z() : 0.0;  // ends within the body
+  const double above = p.z() > 0.0 ? p.z() : 0.0;  // makes the root end inside the body
   return (std::sqrt(dx * dx + dy * dy + tip) - 1.0) * a + above;
 }
 
@@ -89,7 +91,7 @@ double Rod(const Vector3& p, const Vector3& from, const Vector3& to, double from
 
 /// The pulp: chamber, a horn under each cusp, and three canals. @param width  MolarShape::pulp_width
 double Pulp(const Vector3& p, double width) {
-  // chamber: a rounded box about the neck
+  // chamber: a rounded box at the height of the neck
   const Vector3 half(2.0 * width, 1.6 * width, 0.75);
   constexpr double kRounding = 0.5;
   const Vector3 q = (p - Vector3(0.0, 0.0, -0.2)).cwiseAbs() - half;
@@ -104,11 +106,12 @@ double Pulp(const Vector3& p, double width) {
   };
   for (const Canal& canal : {Canal{1.0, 1.0}, Canal{1.0, -1.0}, Canal{-1.0, 0.0}}) {
     constexpr int kPieces = 6;
-    constexpr double kFrom = 0.08, kTo = 0.87;  // ends of a canal, as shares of the root's length
+    constexpr double kFrom = 0.08, kTo = 0.87;  // ends of a canal, as fractions of the root's length
     const auto at = [&](int i) {
       const double s = static_cast<double>(i) / kPieces, t = kFrom + s * (kTo - kFrom);
       Vector3 place = RootAxis(canal.front, t);
-      place.x() += canal.front * -0.7 * (1.0 - s) * (1.0 - s);  // from the chamber's floor
+      place.x() += canal.front * -0.7 * (1.0 - s) *
+                   (1.0 - s);  // shifts the upper end of the canal to the chamber's floor
       place.y() = canal.y * (1.0 - 0.55 * s);
       return place;
     };
@@ -119,7 +122,7 @@ double Pulp(const Vector3& p, double width) {
   return level;
 }
 
-/// Dentine within the outer surface, pulp within the region.
+/// Tissue map without enamel: dentine within the outer surface, pulp within the region.
 TissueMap DentineAndPulp() {
   TissueMap map;
   map.shells = {ShellTissue{.layers = {}, .core = MolarSolid::kDentine, .image = {}},
@@ -139,7 +142,7 @@ void CheckShape(const MolarShape& s) {
 
 LoadedMesh MolarMesh(const MolarShape& shape) {
   CheckShape(shape);
-  const double scale = shape.length_m / kLength_mm;  // metres a millimetre of the drawing
+  const double scale = shape.length_m / kLength_mm;  // metres per millimetre of the shapes above
   const Eigen::AlignedBox3d box(scale * Vector3(-7.3, -6.7, -14.2), scale * Vector3(7.3, 6.7, 8.3));
   constexpr double kStep_mm = 0.35, kPulpStep_mm = 0.2;
   LoadedMesh loaded;
@@ -154,7 +157,8 @@ LoadedMesh MolarMesh(const MolarShape& shape) {
 MolarSolid::MolarSolid(const MolarShape& shape) : shape_(shape), mesh_(MolarMesh(shape), DentineAndPulp()) {}
 
 double MolarSolid::EnamelThickness(double z_m) const {
-  constexpr double kFullAt = 0.6;  // share of the crown's height from which the enamel is full
+  // fraction of the crown's height from which on the enamel has its full thickness
+  constexpr double kFullAt = 0.6;
   const double full_m = kFullAt * kCrown_mm * shape_.length_m / kLength_mm;
   const double u = std::clamp(z_m / full_m, 0.0, 1.0);
   return shape_.enamel_m * u * (2.0 - u);

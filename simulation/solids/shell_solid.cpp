@@ -13,7 +13,7 @@ ShellSolid::ShellSolid(double inner_m, double outer_m) : inner_m_(inner_m), oute
 }
 
 SurfacePoint ShellSolid::NearestSurface(const Vector3& p) const {
-  // below the rim's plane the nearest of three faces, above it the nearest point of the rim
+  // Below the plane of the rim, the nearest point lies on one of three faces; above this plane, on the rim.
   const double size = p.norm();
   const Vector3 out = size > 0.0 ? Vector3(p / size) : Vector3(-Vector3::UnitZ());
   if (p.z() <= 0.0) {

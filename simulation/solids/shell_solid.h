@@ -4,7 +4,7 @@
 
 namespace osteon::simulation {
 
-/// A hemispherical shell: inner_m <= |p| <= outer_m, z <= 0. A cup's bone without anything around it.
+/// A hemispherical shell: inner_m <= |p| <= outer_m, z <= 0. It is the bone of a cup without any bone around.
 class ShellSolid final : public Solid {
  public:
   /// @throws std::invalid_argument unless 1 mm <= inner < outer <= 1 m.

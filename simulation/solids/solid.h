@@ -17,11 +17,10 @@ struct SurfacePoint {
   double distance_m{0.0};  ///< signed: negative inside the solid, positive outside
 };
 
-/// A closed solid of bone in G. Balls and mass points are made from it and from the zone where it is to be
-/// cut (cut_zone.h).
+/// A closed solid of bone in G. Balls and mass points are made from the solid and its cut zone (cut_zone.h).
 ///
-/// Signed distances are negative inside. Inside they must be exact: a ball of radius -distance around p lies
-/// in the solid. Packings rely on this to stay within their solid.
+/// Signed distances are negative inside. Inside they must be exact: a ball around p with this distance as its
+/// radius lies in the solid. Packings rely on this to stay within their solid.
 class Solid {
  public:
   Solid() = default;
@@ -35,8 +34,8 @@ class Solid {
   /// A box that holds the solid, in G.
   [[nodiscard]] virtual Eigen::AlignedBox3d Bounds() const = 0;
 
-  /// Nearest boundary point of the part that consists of this material, with the signed distance to it
-  /// (negative within), where the solid knows that exactly; nothing elsewhere.
+  /// Nearest boundary point of the part that consists of this material, with the signed distance (negative in
+  /// that part). Nothing if the solid cannot compute this exactly.
   [[nodiscard]] virtual std::optional<SurfacePoint> RegionDistance(MaterialIndex /*material*/,
                                                                    const Vector3& /*p_m*/) const {
     return std::nullopt;

@@ -10,7 +10,7 @@ namespace osteon::simulation {
 namespace {
 
 constexpr double kMaxThickness_m = 0.100;
-constexpr int kMaxSamples = 4096;  // along each side of an image
+constexpr int kMaxSamples = 4096;  // largest number of samples along each side of an image
 constexpr double kMaxDensity_kg_per_m3 = 25000.0;
 
 /// The layer at this depth, if the depth lies in one.
@@ -23,7 +23,7 @@ std::optional<MaterialIndex> LayerAt(const std::vector<TissueLayer>& layers, dou
   return std::nullopt;
 }
 
-/// @throws std::invalid_argument where the material is not one of `count`.
+/// Checks a material's index. @throws std::invalid_argument if it is not below `count`.
 void CheckMaterial(const std::string& name, MaterialIndex material, std::size_t count) {
   if (material >= count)
     throw std::invalid_argument(
@@ -75,7 +75,8 @@ void CheckImage(const std::string& name, const DensityImage& image, std::size_t 
 }  // namespace
 
 double DensityImage::DensityAt(double depth_m, double height_m) const {
-  // a place among `count` samples as the sample before it and the share of the way to the next one
+  // splits a position among `count` samples into the index of the sample before it and the fraction of the
+  // way to the next sample
   const auto split = [](double at, int count) {
     const double clamped = std::clamp(at, 0.0, static_cast<double>(count - 1));
     const int low = std::min(static_cast<int>(clamped), std::max(0, count - 2));

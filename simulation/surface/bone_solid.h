@@ -16,13 +16,13 @@ namespace osteon::surface {
 /// microsecond per vertex.
 [[nodiscard]] MaterialAt TissueOf(std::shared_ptr<const simulation::Solid> solid);
 
-/// Makes the union of a bone's balls, if the solid that they were packed from is not known. Single balls are
-/// visible in this surface. Smoothing it, as by a ball rolled over it, would also hide true gaps that are
-/// narrower than that ball.
+/// Makes the field of the union of a bone's balls, for a bone whose solid is not known. Single balls are
+/// visible in its surface. The surface is not smoothed, as by rolling a ball over it: this would hide true
+/// gaps that are narrower than the rolling ball.
 /// @throws std::invalid_argument if there are no balls (MakeLayout)
 [[nodiscard]] std::shared_ptr<const SolidField> UnionOfBalls(const simulation::Bone& bone, float voxel_mm);
 
-/// SampleSolid of the solid that a bone was packed from; UnionOfBalls where it is not known.
+/// Returns SampleSolid of the solid that a bone was packed from, or UnionOfBalls if the solid is not known.
 /// @param solid  null: not known
 [[nodiscard]] std::shared_ptr<const SolidField> FieldOfBone(const simulation::Solid* solid,
                                                             const simulation::Bone& bone, float voxel_mm);

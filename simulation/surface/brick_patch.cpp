@@ -5,14 +5,14 @@ namespace {
 
 /// The values of one field in one of the 27 bricks around a patch.
 struct Part {
-  const std::int16_t* values{nullptr};  // null: uniform
+  const std::int16_t* values{nullptr};  // null: the brick is uniform
   std::int16_t uniform{0};
 };
 
 using Parts = std::array<Part, 27>;
 
-/// Fills the 12 nodes of a patch's row from three neighbouring bricks. @param at  where the row begins in
-/// each
+/// Fills a row of 12 patch nodes from three neighbouring bricks.
+/// @param at  index in each brick at which the row begins
 void FillRow(std::int16_t* row, const Part* parts, int at) {
   constexpr std::array<int, 3> kFrom{6, 0, 0}, kCount{2, 8, 2};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -24,9 +24,10 @@ void FillRow(std::int16_t* row, const Part* parts, int at) {
   }
 }
 
-/// Fills a patch of one field.
+/// Fills a patch with the values of one field.
 void Fill(const Parts& parts, std::array<std::int16_t, kPatchNodes>& out) {
-  // which of three neighbouring bricks holds a patch's node: 2 nodes of the first, 8, then 2 of the last
+  // index of the brick that holds a patch's node, of three in a row: 2 nodes of the first, 8 of the second, 2
+  // of the third
   const auto part_of = [](int node) { return node < 2 ? 0 : node < 10 ? 1 : 2; };
   for (int z = 0; z < kPatchEdge; ++z)
     for (int y = 0; y < kPatchEdge; ++y) {
@@ -52,7 +53,7 @@ bool GatherPatch(const CarvedField& field, BrickIndex brick, BrickPatch& patch) 
   for (int k = 0; k < 27; ++k) {
     const int x = place[0] + k % 3 - 1, y = place[1] + k / 3 % 3 - 1, z = place[2] + k / 9 - 1;
     const auto i = static_cast<std::size_t>(k);
-    if (!layout.Contains(x, y, z)) {  // air
+    if (!layout.Contains(x, y, z)) {  // a brick outside the grid is air
       solid[i] = {nullptr, kFieldLimit};
       swept[i] = {nullptr, static_cast<std::int16_t>(-kFieldLimit)};
       air = true;

@@ -5,7 +5,7 @@
 
 #include "simulation/surface/brick_field.h"
 
-// A square root that sets errno would keep GCC from vectorising the loop.
+// Do not let a square root set errno: this would keep GCC from vectorising the loop.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC push_options
 #pragma GCC optimize("O3", "no-math-errno")
@@ -61,13 +61,14 @@ float DepthIn(const Capsule& capsule, Vec3 point) {
   return capsule.radius_mm - Norm(from_a - t * along);
 }
 
-// The directions from a brick's node to two axes differ by at most the distance between the axes over their
-// distance from the brick. This difference, times half the brick's diagonal, bounds how much deeper one
-// capsule can become than the other between the brick's centre and its nodes.
+// Capsule A is deeper than capsule B at a brick's centre. B can only be deeper at a node if the directions
+// from there to both axes differ. The difference of these unit vectors is at most the distance between the
+// axes, divided by the axes' distance from the brick. This difference, times half the brick's diagonal,
+// bounds the depth that B gains on A between the centre and a node.
 void SelectCapsules(std::span<const Capsule> capsules, std::span<const float> depths, float reach_mm,
                     float half_mm, std::vector<std::uint32_t>& kept) {
   constexpr float kRoundingMargin = 1.01F;
-  constexpr float kMaxGain = 2.0F;  // largest difference of two unit vectors: they are opposite
+  constexpr float kMaxGain = 2.0F;  // largest difference of two unit vectors, if they are opposite
   kept.clear();
   const std::size_t deepest =
       static_cast<std::size_t>(std::max_element(depths.begin(), depths.end()) - depths.begin());

@@ -9,19 +9,19 @@
 namespace osteon::surface {
 namespace {
 
-/// A node's value matters to the mesh only up to this distance: a cut cell's corners are within its diagonal
-/// (1.74 voxels) of the surface, and central differences reach one node further.
+/// The mesh depends only on values of at most this size. The corners of a cell that the surface passes lie
+/// within the cell's diagonal (1.74 voxels) of the surface, and central differences reach one node further.
 constexpr auto kVisible = static_cast<std::int16_t>(11 * kStepsOfVoxel / 4);
 
 /// The changes that a sweep made in a brick.
 struct BrickChange {
   bool is_visible{false}, is_full{false};
-  /// Rows of nodes with a visible change along x, y and z: bit i for coordinate i.
+  /// Coordinates at which nodes changed visibly, along x, y and z: bit i for coordinate i.
   std::array<unsigned, 3> rows{};
 };
 
 /// Compares a brick's swept values before and after a sweep.
-/// @param solid  the solid's values at the nodes; null: the brick is uniform, and inside the solid
+/// @param solid  the solid's values at the nodes; null: the brick lies entirely inside the solid
 BrickChange CompareBrick(const std::int16_t* before, const std::int16_t* after, const std::int16_t* solid) {
   BrickChange change{.is_full = true};
   const auto seen = [](std::int16_t v) {
@@ -30,7 +30,7 @@ BrickChange CompareBrick(const std::int16_t* before, const std::int16_t* after, 
   for (int i = 0; i < kBrickNodes; ++i) {
     change.is_full = change.is_full && after[i] == kFieldLimit;
     if (before[i] == after[i] || seen(before[i]) == seen(after[i])) continue;
-    if (solid && solid[i] > kVisible) continue;  // in the air
+    if (solid && solid[i] > kVisible) continue;  // the node is in the air
     change.is_visible = true;
     change.rows[0] |= 1U << (i & 7);
     change.rows[1] |= 1U << (i >> 3 & 7);
@@ -39,13 +39,13 @@ BrickChange CompareBrick(const std::int16_t* before, const std::int16_t* after, 
   return change;
 }
 
-/// Whether the neighbour at this offset reads nodes of these rows: a chunk's cells and normals reach two
-/// nodes beyond its brick.
+/// Whether the neighbour at this offset reads nodes of these coordinates: the cells and normals of a chunk
+/// use nodes up to two beyond its brick.
 bool Reaches(unsigned rows, int offset) {
   return offset == 0 || (offset < 0 ? (rows & 0x03U) != 0 : (rows & 0xc0U) != 0);
 }
 
-/// Calls visit(dx, dy, dz) for a brick itself and its 26 neighbours.
+/// Calls visit(dx, dy, dz) for the offsets of a brick itself and its 26 neighbours.
 template <class Visit>
 void EachNeighbour(const Visit& visit) {
   for (int dz = -1; dz <= 1; ++dz)
@@ -66,7 +66,7 @@ void CarvedField::MarkAllDirty() {
   for (BrickIndex brick = 0; brick < layout().Count(); ++brick) {
     const auto [x, y, z] = layout().PlaceOf(brick);
     bool surface = solid().HasValues(brick) || swept_.HasValues(brick);
-    // Beside a uniform brick of air, the surface lies between the two.
+    // The surface may also lie between a brick in the bone and a neighbour that is uniform air.
     if (!surface && solid().State(brick) == BrickField::kAllLow)
       EachNeighbour([&, x = x, y = y, z = z](int dx, int dy, int dz) {
         surface = surface || !layout().Contains(x + dx, y + dy, z + dz) ||
@@ -90,7 +90,7 @@ void CarvedField::Carve(std::span<const Capsule> capsules) {
         high[i] = std::max(high[i], p[i] + capsule.radius_mm + band_mm);
       }
     }
-  // bricks that the capsules or the band around them reach
+  // lowest and highest bricks that the capsules, with the field's band around them, reach
   std::array<int, 3> from{}, to{};
   for (std::size_t i = 0; i < 3; ++i) {
     const float last = static_cast<float>(layout().bricks[i]);

@@ -8,22 +8,24 @@
 
 namespace osteon::surface {
 
-/// The carved bone as two distance fields: max(solid, swept) is the solid without the volume that the tool's
-/// cutting balls swept. Carve only lets the swept field grow. One thread at a time carves; while nobody
-/// carves, any number of threads may extract (dual_surface.h).
+/// The carved bone as two distance fields, `solid` and `swept`. Their maximum is the field of the solid
+/// without the volume that the tool's cutting balls swept. Carve only increases the values of the swept
+/// field. One thread at a time carves; while nobody carves, any number of threads may extract
+/// (dual_surface.h).
 class CarvedField {
  public:
   explicit CarvedField(std::shared_ptr<const SolidField> solid);
 
-  /// Removes capsules. The result does not depend on their order or on how they are divided into calls.
+  /// Removes capsules from the bone. The result does not depend on their order, or on how they are divided
+  /// among calls.
   void Carve(std::span<const Capsule> capsules);
 
-  /// Replaces the swept field by that of another state of this field: an undo, or a saved cut.
-  /// @throws std::invalid_argument where the other field has another number of bricks.
+  /// Replaces the swept field by another state of it, for an undo or a saved cut.
+  /// @throws std::invalid_argument if the other field has another number of bricks.
   void SetSwept(BrickField swept);
 
-  /// Bricks whose mesh has changed since ClearDirty, in the order in which they first changed. At the start
-  /// it is every brick that may have a surface.
+  /// Dirty bricks: those whose mesh may have changed since ClearDirty, in the order of their first change. At
+  /// the start, all bricks that may have a surface are dirty.
   [[nodiscard]] std::span<const BrickIndex> Dirty() const { return dirty_list_; }
   void ClearDirty();
   /// Marks every brick that may have a surface as dirty, for a viewer that begins to show the bone.
@@ -31,7 +33,7 @@ class CarvedField {
 
   [[nodiscard]] const BrickLayout& layout() const { return solid_->layout(); }
   [[nodiscard]] const BrickField& solid() const { return solid_->distances(); }
-  /// Positive where swept.
+  /// The swept field: positive where the tool has been.
   [[nodiscard]] const BrickField& swept() const { return swept_; }
   [[nodiscard]] std::size_t Bytes() const { return solid().Bytes() + swept_.Bytes(); }
 
@@ -44,8 +46,8 @@ class CarvedField {
   BrickField swept_;
   std::vector<bool> is_dirty_;
   std::vector<BrickIndex> dirty_list_;
-  std::vector<std::uint32_t> selected_;  // memory that CarveBrick uses again
-  std::vector<float> depths_;            // likewise
+  std::vector<std::uint32_t> selected_;  // CarveBrick's memory, kept for its next call
+  std::vector<float> depths_;            // the same
 };
 
 }  // namespace osteon::surface

@@ -5,11 +5,11 @@
 namespace osteon::surface {
 namespace {
 
-/// Two faces less than 10 degrees apart form no rim: sin² 10°.
+/// Two faces form no rim if the angle between them is below 10 degrees: sin² 10°.
 constexpr float kMinSine2 = 0.03F;
-/// A rim's place up to this distance outside the cell is used, clamped to the cell [voxels].
+/// A rim's point that lies at most this far outside the cell is moved onto the cell and used [voxels].
 constexpr float kRimSlack = 0.25F;
-/// Least squared gradient (about 1 beside a smooth face) at which a Newton step is taken.
+/// Smallest squared gradient at which a Newton step is taken; it is about 1 near a smooth face.
 constexpr float kMinGradient2 = 0.05F;
 
 Vec3 ClampToCell(Vec3 p) {
@@ -21,7 +21,8 @@ bool IsWithin(Vec3 p, float slack) {
   return p.x > low && p.y > low && p.z > low && p.x < high && p.y < high && p.z < high;
 }
 
-/// Evaluates at `place` the field's linear model around the cell's place nearest to `place`.
+/// Evaluates a linear model of the field at `place`. The field is linearised at the point of the cell nearest
+/// to `place`.
 FieldSample LinearAt(const CornerValues& corners, Vec3 place) {
   const Vec3 inside = ClampToCell(place);
   FieldSample sample = Interpolate(corners, inside);
@@ -29,7 +30,7 @@ FieldSample LinearAt(const CornerValues& corners, Vec3 place) {
   return sample;
 }
 
-/// Moves `place` by the shortest step that takes both linear models to zero. False if the faces are too
+/// Moves `place` by the shortest step that takes both linear models to zero. Returns false if the faces are
 /// nearly parallel.
 bool StepOntoBoth(const CornerValues& solid, const CornerValues& swept, Vec3& place) {
   const FieldSample a = LinearAt(solid, place), b = LinearAt(swept, place);
@@ -37,14 +38,14 @@ bool StepOntoBoth(const CornerValues& solid, const CornerValues& swept, Vec3& pl
               bb = Dot(b.gradient, b.gradient);
   const float det = aa * bb - ab * ab;
   if (!(det >= kMinSine2 * aa * bb) || det <= 0.0F) return false;
-  // the shortest step is a combination of both gradients: their weights
+  // weights of the two gradients, whose combination is the shortest step
   const float weight_a = (a.value * bb - b.value * ab) / det, weight_b = (b.value * aa - a.value * ab) / det;
   place = place - (weight_a * a.gradient + weight_b * b.gradient);
   return true;
 }
 
-/// Moves `place` along the line (place, direction) to the middle of the line's part in the cell. False, with
-/// `place` unchanged, if the line misses the cell.
+/// Moves `place` along `direction` to the middle of the line's part in the cell. Returns false, with `place`
+/// unchanged, if the line misses the cell.
 bool SlideIntoCell(Vec3& place, Vec3 direction) {
   constexpr float kFar = 4.0F, kParallel = 1e-6F;
   float from = -kFar, to = kFar;
@@ -63,8 +64,8 @@ bool SlideIntoCell(Vec3& place, Vec3 direction) {
   return true;
 }
 
-/// Central differences at nodes `at` and `at` + step along one axis, interpolated by the weight w. In the
-/// field's steps per two nodes.
+/// Central differences along one axis at the nodes `at` and `at` + step, interpolated with the weight w. The
+/// unit is field steps per two nodes.
 float LineDifference(const std::int16_t* field, int at, int step, float w) {
   return (1.0F - w) * static_cast<float>(field[at + step] - field[at - step]) +
          w * static_cast<float>(field[at + 2 * step] - field[at]);
@@ -106,7 +107,8 @@ Vec3 SmoothGradient(const std::int16_t* field, int at, Vec3 p) {
 }
 
 EdgeCut CutEdge(float solid_low, float solid_high, float swept_low, float swept_high) {
-  // a field without a crossing counts as the last one met from inside
+  // positions for a field that does not cross the edge: beyond the outer end, so that the other field's
+  // crossing is the first one
   constexpr float kBehind = 2.0F, kBefore = -1.0F;
   const bool low_inside = solid_low < 0.0F && swept_low < 0.0F;
   const auto crossing = [low_inside](float low, float high) {
@@ -130,7 +132,7 @@ bool FindRim(const CornerValues& solid, const CornerValues& swept, Vec3& place) 
   for (int i = 0; i < 3; ++i)
     if (!StepOntoBoth(solid, swept, rim)) return false;
   if (!IsWithin(rim, 0.0F)) {
-    // The nearest place of the rim is in another cell. A place further along it may be in this one.
+    // The rim's nearest point is in another cell. Another point of the rim may still lie in this cell.
     const Vec3 along = Cross(LinearAt(solid, rim).gradient, LinearAt(swept, rim).gradient);
     if (SlideIntoCell(rim, along)) (void)StepOntoBoth(solid, swept, rim);
   }

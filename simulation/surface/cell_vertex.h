@@ -5,18 +5,18 @@
 
 #include "simulation/surface/brick_patch.h"
 
-// Computes where a cell's vertex lies. Places are within the cell, 0 … 1 along each axis; values of the field
-// are in voxels.
+// Functions that compute where a cell's vertex lies. A place is relative to the cell, 0 … 1 along each axis.
+// Values of the fields are in voxels.
 
 namespace osteon::surface {
 
 using CornerValues = std::array<float, 8>;
 
-/// Steps from a cell's low node to its corners, in a patch.
+/// Steps of a patch's index from a cell's lowest node to its eight corners.
 inline constexpr std::array<int, 8> kCornerStep{0,      1,          kRow,          kRow + 1,
                                                 kLayer, kLayer + 1, kLayer + kRow, kLayer + kRow + 1};
 
-/// The field's values at a cell's corners [voxels]. @param at  the cell's low node in the patch
+/// The field's values at a cell's corners [voxels]. @param at  index of the cell's lowest node in the patch
 [[nodiscard]] CornerValues CornersOf(const std::int16_t* field, int at);
 
 /// Value and gradient of a field at a place.
@@ -30,12 +30,12 @@ struct FieldSample {
 /// Interpolates the central differences of a patch's field. The result points along the outward normal.
 [[nodiscard]] Vec3 SmoothGradient(const std::int16_t* field, int at, Vec3 place);
 
-/// The point at which a grid edge leaves the bone, and the field whose surface it crosses there.
+/// The point at which a grid edge crosses the carved surface, and the field that is zero there.
 struct EdgeCut {
-  float t{0.0F};  ///< from the lower end, 0 … 1
+  float t{0.0F};  ///< position on the edge, 0 (lower end) … 1
   bool by_swept{false};
 };
-/// Returns the first crossing of the two fields, seen from the edge's end in bone.
+/// Finds the crossing: starting from the edge's end in bone, the first zero of either field.
 /// @pre max(solid, swept) changes sign along the edge
 [[nodiscard]] EdgeCut CutEdge(float solid_low, float solid_high, float swept_low, float swept_high);
 

@@ -6,8 +6,8 @@
 namespace osteon::surface {
 namespace {
 
-constexpr int kMaxPlace = kStepsPerVoxel * kCellEdge;  // 252: the far end of a brick's cells
-constexpr std::size_t kMaxByteIndices = 256;           // number of vertices that one byte can index
+constexpr int kMaxPlace = kStepsPerVoxel * kCellEdge;  // 252: the upper end of a brick's last cell
+constexpr std::size_t kMaxByteIndices = 256;           // largest number of vertices that one byte can index
 constexpr std::uint8_t kMaterialMask = 0x7f;
 
 void AppendU16(std::vector<std::uint8_t>& bytes, std::size_t value) {
@@ -20,7 +20,7 @@ std::uint16_t U16(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
-/// -1 … 1 as 0 … 255.
+/// Maps -1 … 1 to 0 … 255.
 std::uint8_t ToByte(float unit) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(unit * 0.5F + 0.5F, 0.0F, 1.0F) * 255.0F));
 }
@@ -30,7 +30,7 @@ std::array<std::uint8_t, 2> EncodeNormal(Vec3 n) {
   const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   if (!(sum > 0.0F)) return EncodeNormal({0.0F, 0.0F, 1.0F});
   float x = n.x / sum, y = n.y / sum;
-  // the lower half of the octahedron is folded outwards over its upper half
+  // fold the octahedron's lower half outwards, into the corners of the square
   if (n.z < 0.0F) {
     const float fold_x = (1.0F - std::abs(y)) * (x < 0.0F ? -1.0F : 1.0F);
     const float fold_y = (1.0F - std::abs(x)) * (y < 0.0F ? -1.0F : 1.0F);
@@ -54,13 +54,13 @@ Vec3 DecodeNormal(std::uint8_t a, std::uint8_t b) {
   return (1.0F / Norm(n)) * n;
 }
 
-/// Low corner of the brick's cell -1 [mm], from which vertex coordinates are counted in steps.
+/// Lowest corner of the brick's cell -1 [mm]. Vertex coordinates are counted in steps from this corner.
 Vec3 LowCorner(const BrickLayout& layout, BrickIndex brick) {
   const auto [x, y, z] = layout.PlaceOf(brick);
   return layout.Node(x * kBrickEdge - 1, y * kBrickEdge - 1, z * kBrickEdge - 1);
 }
 
-/// Rounds a vertex coordinate, measured from the low corner, to steps: a "place" of the format.
+/// Rounds a vertex coordinate, relative to LowCorner, to steps: a "place" of the format.
 std::uint8_t ToPlace(float offset_mm, float voxel_mm) {
   const long steps = std::lround(offset_mm * static_cast<float>(kStepsPerVoxel) / voxel_mm);
   return static_cast<std::uint8_t>(std::clamp<long>(steps, 0, kMaxPlace));

@@ -26,10 +26,10 @@ inline constexpr int kStepsPerVoxel = 28;
 /// Appends a chunk's bytes. Vertices that no quad uses are left out.
 void AppendChunk(const BrickLayout& layout, const SurfaceChunk& chunk, std::vector<std::uint8_t>& bytes);
 
-/// Reads the chunk at the beginning of the bytes, which may come from anyone.
-/// @param chunk  unchanged where the bytes are refused
-/// @returns the number of bytes read; nothing where bytes are missing, the brick is not in the layout, there
-///   are too many vertices or quads, a place is off the brick, or a quad names a vertex that isn't there.
+/// Reads the chunk at the beginning of the bytes. The bytes are not trusted.
+/// @param chunk  unchanged if the bytes are refused
+/// @returns the number of bytes read; nothing if bytes are missing, the brick is not in the layout, there are
+///   too many vertices or quads, a place is off the brick, or a quad names a vertex that isn't there.
 [[nodiscard]] std::optional<std::size_t> ReadChunk(const BrickLayout& layout,
                                                    std::span<const std::uint8_t> bytes, SurfaceChunk& chunk);
 

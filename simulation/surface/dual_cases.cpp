@@ -17,14 +17,14 @@ struct Links {
   }
 
  private:
-  /// The first link of the edge that is not set yet.
+  /// The edge's first link that is not set yet.
   int& At(int edge) {
     auto& pair = next[static_cast<std::size_t>(edge)];
     return pair[0] < 0 ? pair[0] : pair[1];
   }
 };
 
-/// A face with four cut edges, which form two pairs, and one edge of each pair.
+/// A face with four cut edges, which are linked in two pairs, and one edge of each pair.
 struct AmbiguousFace {
   int face, first, second;
 };
@@ -39,7 +39,7 @@ CellCase TraceCell(unsigned inside, unsigned flip) {
     const int axis = face / 2, low = (face & 1) << axis;
     const int u = axis == 0 ? 1 : 0, w = axis == 2 ? 1 : 2;
     const std::array<int, 4> corner{low, low | 1 << u, low | 1 << u | 1 << w,
-                                    low | 1 << w};  // around the face
+                                    low | 1 << w};  // the corners in order around the face
     std::array<int, 4> cut{};                       // edge i lies between corners i and i + 1
     std::size_t count = 0;
     for (std::size_t i = 0; i < 4; ++i) {

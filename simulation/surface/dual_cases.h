@@ -5,10 +5,11 @@
 
 #include "simulation/surface/surface_chunk.h"
 
-// Cells of the dual surface. A corner's number has bit 0 for x, bit 1 for y, bit 2 for z; an edge's number is
-// 4 axis + the bits of its corners along the two other axes; a face's number is 2 axis + side. A corner is
-// inside the bone if its value is negative; an edge is cut if exactly one of its corners is inside. The cut
-// edges of a cell form closed loops over its faces: the patches. Each patch has a vertex.
+// The cells of the dual surface, and how their corners, edges and faces are numbered. A corner's number has
+// bit 0 for x, bit 1 for y, bit 2 for z; an edge's number is 4 axis + the bits of its corners along the two
+// other axes; a face's number is 2 axis + side. A corner is inside the bone if its value is negative; an edge
+// is cut if exactly one of its corners is inside. The cut edges of a cell form closed loops over its faces:
+// the patches. Each patch gets one vertex.
 
 namespace osteon::surface {
 
@@ -17,11 +18,12 @@ inline constexpr std::uint8_t kNotCut = 0xff;
 
 /// The patches of a cell with a given set of inside corners.
 struct CellCase {
-  std::array<std::uint8_t, kCellEdges> patch{};  ///< patch of each edge; kNotCut: the edge is not cut
-  std::uint8_t patches{0};                       ///< number of patches
-  /// Bit f is set if face f has four cut edges that all belong to one patch. If the cell across the face has
-  /// the same, four quads would meet in one edge; both cells then pair the face's edges the other way
-  /// (`flip`).
+  /// Number of the patch of each edge; kNotCut: the edge is not cut
+  std::array<std::uint8_t, kCellEdges> patch{};
+  std::uint8_t patches{0};  ///< number of patches
+  /// Bit f is set if face f has four cut edges that all belong to one patch. If this is also so in the cell
+  /// across the face, four quads would meet in one mesh edge. Both cells then pair the face's cut edges the
+  /// other way (`flip`).
   std::uint8_t joined_faces{0};
 };
 
@@ -51,7 +53,8 @@ struct CellCase {
 /// The two axes across an edge, in the order in which (across, across, along) is right-handed.
 [[nodiscard]] constexpr std::array<int, 2> AxesAcross(int axis) { return {(axis + 1) % 3, (axis + 2) % 3}; }
 
-/// Numbers that one grid edge has in the four cells around it, counter-clockwise seen from its upper end.
+/// The numbers of one grid edge in the four cells around it. The cells are in counter-clockwise order, seen
+/// from the edge's upper end.
 inline constexpr std::array<std::array<int, 4>, 3> kEdgeInCells = [] {
   std::array<std::array<int, 4>, 3> edges{};
   for (int axis = 0; axis < 3; ++axis) {

@@ -15,14 +15,16 @@ constexpr int kFieldSolid = 0, kFieldSwept = 1;
 /// Steps of the index between neighbours along each axis: for a patch's nodes, and for a brick's cells.
 constexpr std::array<int, 3> kNodeStep{1, kRow, kLayer}, kCellStep{1, kCellEdge, kCellEdge*kCellEdge};
 
-/// Bit k is set if corner k of a cell is inside. @param at  the cell's low node in the patch
+/// A bit mask: bit k is set if corner k of a cell is inside.
+/// @param at  index of the cell's lowest node in the patch
 unsigned InsideMask(const std::int16_t* carved, int at) {
   unsigned mask = 0;
   for (unsigned k = 0; k < 8; ++k) mask |= carved[at + kCornerStep[k]] < 0 ? 1U << k : 0U;
   return mask;
 }
 
-/// Node (-1, -1, -1) of a brick is node (1, 1, 1) of its patch.
+/// Index in the patch of the brick's node (x, y, z). Node (-1, -1, -1) of a brick is node (1, 1, 1) of its
+/// patch.
 int PatchNode(int x, int y, int z) { return (z + 2) * kLayer + (y + 2) * kRow + x + 2; }
 
 /// Extracts the mesh of one brick.
@@ -38,7 +40,8 @@ class Extractor {
         place_(layout_.PlaceOf(chunk.brick)),
         chunk_(chunk) {}
 
-  /// Makes all cells that the surface passes, then a quad for each cut edge of the brick's nodes.
+  /// Makes all cells that the surface passes, then a quad for each cut edge that begins at a node of the
+  /// brick.
   void Run() {
     FindInsideRows();
     for (int z = -1; z < kBrickEdge; ++z)
@@ -108,7 +111,7 @@ class Extractor {
     return flip == 0 ? plain : TraceCell(inside, flip);
   }
 
-  /// Where the edge between two nodes of the patch crosses the surface.
+  /// The point at which the edge between two nodes of the patch crosses the surface.
   [[nodiscard]] EdgeCut CutOfNodes(int at, int to) const {
     constexpr float kVoxels = 1.0F / kStepsOfVoxel;
     if (patch_.fields == BrickPatch::kBoth)
@@ -120,7 +123,7 @@ class Extractor {
     return {.t = low / (low - high), .by_swept = patch_.fields == BrickPatch::kSwept};
   }
 
-  /// Finds a cell's patches and makes a vertex, or the two of a rim, for each.
+  /// Finds a cell's patches, and makes the vertices of each patch: one, or two on a rim.
   void MakeCell(int x, int y, int z, unsigned inside) {
     const int at = PatchNode(x, y, z), number = CellNumber(x, y, z);
     const CellCase cell_case = CaseOf(inside, at);
@@ -149,7 +152,8 @@ class Extractor {
     }
   }
 
-  /// Place of a patch's vertex in its cell. @param mean  of the points where the patch's edges are cut
+  /// Place of a patch's vertex in its cell.
+  /// @param mean  mean of the points where the patch's edges are cut
   [[nodiscard]] Vec3 PlaceVertex(int at, Vec3 mean, bool on_rim) const {
     Vec3 place = mean;
     if (on_rim && options_.sharp_rims &&
@@ -158,12 +162,14 @@ class Extractor {
     return ProjectOnto(CornersOf(carved_, at), mean);
   }
 
-  /// Appends the vertices of patch k, one for each field that its edges cross. @param in_cell  their place
+  /// Appends the vertices of patch k, one for each field that its edges cross.
+  /// @param in_cell  place of the vertices in the cell
   void AddVertices(int x, int y, int z, std::size_t k, Vec3 in_cell, unsigned fields, Cell& cell) {
     const auto along = [](int brick, int node, float offset) {
       return static_cast<float>(brick * kBrickEdge + node) + offset;
     };
-    // Compute from the cell's place in the whole grid: every brick that has this cell gets the same bits.
+    // Compute the position from the cell's place in the whole grid, so that every brick with this cell gets
+    // the same bits.
     const Vec3 p_mm = layout_.origin_mm + layout_.voxel_mm * Vec3{along(place_[0], x, in_cell.x),
                                                                   along(place_[1], y, in_cell.y),
                                                                   along(place_[2], z, in_cell.z)};
@@ -183,7 +189,8 @@ class Extractor {
     }
   }
 
-  /// The quad around the edge from node (x, y, z) along an axis: one vertex of each cell that has the edge.
+  /// Makes the quad around the edge from node (x, y, z) along an axis, from one vertex of each of the four
+  /// cells around the edge.
   void MakeQuad(int x, int y, int z, int axis) {
     const int at = PatchNode(x, y, z), to = at + kNodeStep[static_cast<std::size_t>(axis)];
     const bool low_inside = carved_[at] < 0;

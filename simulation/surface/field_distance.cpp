@@ -22,7 +22,8 @@ float NodeValue(const BrickLayout& layout, const BrickField& field, std::array<i
 }
 
 // Interpolates the field between the eight nodes around a place [voxels].
-// @param low  the lowest of the nodes. @param part  place between them, 0 … 1 along each axis
+// @param low  lowest of the eight nodes
+// @param part  place between them, 0 … 1 along each axis
 float Interpolate(const BrickLayout& layout, const BrickField& field, std::array<int, 3> low, Vec3 part,
                   float beyond) {
   float sum = 0.0F;
@@ -48,7 +49,7 @@ float CarvedDistance(const BrickLayout& layout, const BrickField& solid, const B
   const std::array<int, 3> low{static_cast<int>(floor.x), static_cast<int>(floor.y),
                                static_cast<int>(floor.z)};
   const Vec3 fraction = grid_place - floor;
-  // beyond the grid: air, and nothing swept
+  // nodes beyond the grid are air, and not swept
   const float carved = std::max(Interpolate(layout, solid, low, fraction, kBandVoxels),
                                 Interpolate(layout, swept, low, fraction, -kBandVoxels));
   return layout.voxel_mm * carved;

@@ -8,7 +8,7 @@
 namespace osteon::surface {
 namespace {
 
-/// Sets of vertices that quads join (union-find): each vertex leads to the root of its shell.
+/// Union-find over the vertices: vertices that quads connect are in the same set, which is a shell.
 class Joined {
  public:
   explicit Joined(std::size_t vertices) : towards_(vertices) {
@@ -34,7 +34,7 @@ struct Shell {
 
 constexpr float kFar_mm = std::numeric_limits<float>::max();
 
-/// True where a shell's box lies in another shell's box.
+/// True if the box of `inner` lies in the box of `outer`.
 bool Within(const Shell& inner, const Shell& outer) {
   return inner.min_mm.x >= outer.min_mm.x && inner.min_mm.y >= outer.min_mm.y &&
          inner.min_mm.z >= outer.min_mm.z && inner.max_mm.x <= outer.max_mm.x &&
@@ -70,7 +70,7 @@ std::vector<Shell> ShellsOf(const WeldedSurface& mesh, std::vector<std::uint32_t
   return shells;
 }
 
-/// Removes the other quads, and the vertices that only they used.
+/// Removes all quads that are not kept, and the vertices that no kept quad uses.
 void KeepOnly(const std::vector<bool>& kept_quad, WeldedSurface& mesh) {
   std::vector<std::array<std::uint32_t, 4>> quads;
   for (std::size_t i = 0; i < mesh.quads.size(); ++i)
@@ -97,7 +97,7 @@ PieceFigures DropPiecesBelow(double min_mm3, WeldedSurface& mesh) {
     figures.dropped_mm3 += shell->volume_mm3;
   }
   if (figures.dropped == 0) return figures;
-  // a hollow goes with the dropped piece around it
+  // drop a hollow if the piece around it is dropped
   for (Shell& hollow : shells) {
     if (hollow.volume_mm3 > 0.0) continue;
     const bool in_dropped = std::any_of(shells.begin(), shells.end(), [&](const Shell& piece) {

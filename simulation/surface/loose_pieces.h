@@ -13,8 +13,8 @@ struct PieceFigures {
   double dropped_mm3{0.0};
 };
 
-/// Drops pieces of bone below a volume, with the hollows within them: a circling burr leaves pins and chips
-/// that nothing holds. The largest piece stays in any case, and so do hollows within bone that stays.
+/// Drops pieces of bone below a volume, with the hollows within them: a circling burr leaves loose pins and
+/// chips. The largest piece stays in any case, and so do hollows within bone that stays.
 /// @param mesh  closed; the dropped pieces are removed from it  @param min_mm3  0: nothing is dropped
 PieceFigures DropPiecesBelow(double min_mm3, WeldedSurface& mesh);
 

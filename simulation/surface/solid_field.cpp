@@ -8,25 +8,27 @@
 namespace osteon::surface {
 namespace {
 
-/// Bricks along a block. A block is not sampled further if its centre is far from the surface.
+/// Number of bricks along a block's edge. A block whose centre is far from the surface is not sampled
+/// further.
 constexpr int kBlockEdge = 4;
 
-/// Centre [mm] of a cube of `bricks`³ bricks. @param brick  its lowest brick
+/// Centre [mm] of a cube of `bricks`³ bricks.
+/// @param brick  lowest brick of the cube
 Vec3 CentreOf(const BrickLayout& layout, const std::array<int, 3>& brick, int bricks) {
   const float half_mm = 0.5F * layout.voxel_mm * static_cast<float>(kBrickEdge * bricks - 1);
   return layout.Node(brick[0] * kBrickEdge, brick[1] * kBrickEdge, brick[2] * kBrickEdge) +
          half_mm * Vec3{1.0F, 1.0F, 1.0F};
 }
 
-/// Half the diagonal of a cube of `bricks`³ bricks plus the width of the band, with a margin for rounding
-/// [mm].
+/// Reach [mm] of a cube of `bricks`³ bricks: half its diagonal plus the field's limit of 3 voxels, with a
+/// margin for rounding.
 float ReachOf(const BrickLayout& layout, int bricks) {
   constexpr float kRounding = 0.01F;
   return layout.voxel_mm *
          (kHalfDiagonalVoxels / 7.0F * static_cast<float>(kBrickEdge * bricks - 1) + kBandVoxels + kRounding);
 }
 
-/// Calls visit(place) for each `step`-th place from `from` up to, without, `to`.
+/// Calls visit(place) for every `step`-th place in the box from `from` (included) to `to` (excluded).
 template <class Visit>
 void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int step, const Visit& visit) {
   for (int z = from[2]; z < to[2]; z += step)
@@ -37,15 +39,15 @@ void EachBrick(const std::array<int, 3>& from, const std::array<int, 3>& to, int
 /// The field in one brick, before it is stored in the whole field.
 struct SampledBrick {
   BrickIndex brick{0};
-  std::int32_t state{BrickField::kAllHigh};  ///< of a uniform brick
-  std::vector<std::int16_t> values;          ///< empty: uniform
+  std::int32_t state{BrickField::kAllHigh};  ///< state, if the brick is uniform
+  std::vector<std::int16_t> values;          ///< empty: the brick is uniform
 };
 
-/// Samples a row of eight nodes along x. After a node that is far from the surface, the next nodes are at the
-/// same limit: their distance differs by at most the way to them.
+/// Samples a row of eight nodes along x. If a node is far from the surface, the next nodes are at the same
+/// limit, because the distance changes by at most one voxel per node. These nodes are not sampled.
 void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std::array<int, 3>& first,
                std::int16_t* values) {
-  int known = 0;  // number of next nodes that have the value of the node before
+  int known = 0;  // number of following nodes that are known to have the same value
   for (int x = 0; x < kBrickEdge; ++x) {
     if (known > 0) {
       values[x] = values[x - 1];
@@ -59,7 +61,7 @@ void SampleRow(const BrickLayout& layout, const DistanceAt& distance, const std:
   }
 }
 
-/// Samples one brick; it stays uniform where its centre is far from the surface.
+/// Samples one brick. It stays uniform if its centre is far from the surface.
 SampledBrick SampleBrick(const BrickLayout& layout, const DistanceAt& distance,
                          const std::array<int, 3>& place) {
   SampledBrick sampled{.brick = layout.At(place[0], place[1], place[2]), .values = {}};
@@ -125,7 +127,7 @@ SolidField::SolidField(const BrickLayout& layout, const DistanceAt& distance)
 SolidField::SolidField(const BrickLayout& layout, std::span<const Capsule> balls)
     : layout_(layout), distances_(layout.Count(), BrickField::kAllLow) {
   const float edge_mm = layout.voxel_mm * kBrickEdge, reach_mm = ReachOf(layout, 1);
-  // Compute depths first, as if the balls were cut; the distances are their negatives.
+  // First compute depths in the balls, as for swept capsules; the distances are the negated depths.
   for (const Capsule& ball : balls) {
     const float around_mm = ball.radius_mm + kBandVoxels * layout.voxel_mm;
     const Vec3 offset = ball.a_mm - layout.origin_mm;

@@ -15,13 +15,13 @@ using DistanceAt = std::function<double(Vec3)>;
 class SolidField {
  public:
   /// Samples a solid in a band around its surface.
-  /// @param distance  exact inside; outside exact or smaller
+  /// @param distance  exact inside; outside, exact or a lower bound
   SolidField(const BrickLayout& layout, const DistanceAt& distance);
-  /// Makes the union of balls (capsules of no length), where the solid they were packed from is not known.
+  /// Makes the field of a union of balls (capsules of no length), for a bone whose solid is not known.
   SolidField(const BrickLayout& layout, std::span<const Capsule> balls);
 
   [[nodiscard]] const BrickLayout& layout() const { return layout_; }
-  /// Negative inside.
+  /// The signed distances; negative inside.
   [[nodiscard]] const BrickField& distances() const { return distances_; }
 
  private:

@@ -8,7 +8,8 @@
 namespace osteon::surface {
 namespace {
 
-/// Nodes of air around the box on each side, at least; the fields reach 3 voxels beyond a surface.
+/// Smallest number of air nodes between the box and the grid's border; the fields reach 3 voxels beyond a
+/// surface.
 constexpr float kMarginNodes = 6.0F;
 
 }  // namespace

@@ -35,16 +35,17 @@ inline constexpr int kBrickNodes = kBrickEdge * kBrickEdge * kBrickEdge;  ///< n
 inline constexpr int kCellEdge = kBrickEdge + 1;  ///< cells along a brick that its chunk may use: -1 … 7
 inline constexpr int kMaxChunkQuads = 3 * kBrickNodes;
 inline constexpr int kMaxPatches = 4;  ///< largest number of patches of one cell
-/// Every vertex may be doubled: one for the old surface, one for the cut.
+/// Largest number of vertices of a chunk. Every vertex may be doubled: one for the old surface, one for the
+/// cut.
 inline constexpr int kMaxChunkVertices = kCellEdge * kCellEdge * kCellEdge * kMaxPatches * 2;
 
 /// Number of a brick (x, y, z): x + nx (y + ny z), with nx and ny bricks along x and y.
 using BrickIndex = std::uint32_t;
 
-/// Place and size of the grid. Node (0, 0, 0) lies at the origin.
+/// Position and size of the grid. Node (0, 0, 0) lies at origin_mm.
 struct BrickLayout {
   Vec3 origin_mm;
-  float voxel_mm{0.5F};  ///< distance of neighbouring nodes
+  float voxel_mm{0.5F};  ///< distance between neighbouring nodes
   std::array<int, 3> bricks{};
 
   [[nodiscard]] BrickIndex Count() const {
@@ -61,7 +62,7 @@ struct BrickLayout {
   [[nodiscard]] bool Contains(int x, int y, int z) const {
     return x >= 0 && y >= 0 && z >= 0 && x < bricks[0] && y < bricks[1] && z < bricks[2];
   }
-  /// Place of a node of the whole grid [mm].
+  /// Position of a node of the whole grid [mm].
   [[nodiscard]] Vec3 Node(int x, int y, int z) const {
     return {origin_mm.x + voxel_mm * static_cast<float>(x), origin_mm.y + voxel_mm * static_cast<float>(y),
             origin_mm.z + voxel_mm * static_cast<float>(z)};
@@ -72,21 +73,22 @@ struct BrickLayout {
 inline constexpr double kMaxBricks = 67108864.0;
 
 /// Makes the layout of a box: whole bricks with air all around, the origin at a multiple of the voxel.
-/// @throws std::invalid_argument where the voxel is not above 0, the box is empty or not finite, or it takes
-///   more than kMaxBricks bricks.
+/// @throws std::invalid_argument if the voxel is not above 0, the box is empty or not finite, or more than
+///   kMaxBricks bricks would be needed.
 [[nodiscard]] BrickLayout MakeLayout(Vec3 min_mm, Vec3 max_mm, float voxel_mm);
 
 struct SurfaceVertex {
   Vec3 p_mm;
   Vec3 normal;               ///< outward, of unit length
   std::uint8_t material{0};  ///< index into Bone::materials; below 128
-  bool cut{false};           ///< on a face that the tool cut, not on the bone's own surface
-  /// Cell (x, y, z) and patch within the brick: 4 (x + 9 (y + 9 z)) + patch. The welded mesh joins vertices
-  /// of the same cell and patch: those of neighbouring chunks, and the two of a rim. ReadChunk leaves 0.
+  bool cut{false};           ///< true: on a face that the tool cut; false: on the bone's original surface
+  /// Cell (x, y, z) and patch within the brick: 4 (x + 9 (y + 9 z)) + patch. In the welded mesh, vertices of
+  /// the same cell and patch become one: those of neighbouring chunks, and the two of a rim. ReadChunk sets
+  /// 0.
   std::uint16_t key{0};
 };
 
-/// The mesh of one brick. An empty chunk says that the brick has no surface (any more).
+/// The mesh of one brick. An empty chunk means that the brick has no surface, or no longer has one.
 struct SurfaceChunk {
   BrickIndex brick{0};
   std::vector<SurfaceVertex> vertices{};

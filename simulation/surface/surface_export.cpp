@@ -114,7 +114,7 @@ tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(const std::file
                                                                  const CarvedField& field,
                                                                  double drop_below_mm3) {
   const std::string extension = ExtensionOf(path);
-  // if the mesh with sharp rims does not pass the check, export one without them
+  // if the mesh with sharp rims does not pass CheckMesh, export a mesh without sharp rims
   WeldedSurface mesh = WeldSurface(field);
   if (simulation::TriangleMesh checked = ToTriangles(mesh);
       !mesh.quads.empty() && !simulation::CheckMesh(checked, path.string()))

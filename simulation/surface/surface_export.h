@@ -17,16 +17,17 @@ namespace osteon::surface {
 struct SurfaceFigures {
   std::size_t triangles{0};
   double volume_mm3{0.0};
-  bool watertight{false};  ///< every edge has two triangles, of the same winding
+  bool watertight{false};  ///< every edge has two triangles, which have the same winding
   PieceFigures pieces{};
 };
 
-/// Makes two triangles of each quad, cut along its shorter diagonal. Converts millimetres to metres.
+/// Converts a mesh: each quad is cut into two triangles along its shorter diagonal. Converts millimetres to
+/// metres.
 [[nodiscard]] simulation::TriangleMesh ToTriangles(const WeldedSurface& mesh);
 
 /// Writes the carved bone, in millimetres and in G: binary STL, binary PLY or OBJ, by the file's extension.
-/// The file appears whole or not at all. Where the sharp rims make the surface fold (CheckMesh), it is made
-/// without them.
+/// The file appears complete or not at all. If sharp rims make the surface pass through itself (CheckMesh
+/// refuses it), the surface is made without sharp rims.
 /// @param drop_below_mm3  as DropPiecesBelow
 [[nodiscard]] tl::expected<SurfaceFigures, simulation::FileError> WriteSurface(
     const std::filesystem::path& path, const CarvedField& field, double drop_below_mm3 = 0.0);

@@ -7,8 +7,8 @@
 
 namespace osteon::surface {
 
-/// Receives the mesh while it changes. Called by one thread at a time; by the engine's thread only within
-/// SurfaceThread::Apply.
+/// Receives the mesh whenever it has changed. One thread at a time calls it; the engine's thread calls it
+/// only within SurfaceThread::Apply.
 class SurfaceSink {
  public:
   SurfaceSink() = default;
@@ -18,7 +18,8 @@ class SurfaceSink {
 
   /// The grid of all chunks. Called once, before the first Publish.
   virtual void Begin(const BrickLayout& layout) = 0;
-  /// Publishes chunks that replace those of the same bricks. The first call has every brick with a surface.
+  /// Publishes chunks that replace those of the same bricks. The first call contains every brick that has a
+  /// surface.
   /// @param chunks  valid during the call only
   /// @param frame   number of the last frame that was read (ToolWays::frame); the frames of an incomplete
   ///   batch are not carved yet

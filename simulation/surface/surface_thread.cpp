@@ -18,16 +18,16 @@
 namespace osteon::surface {
 namespace {
 
-// Frames and bricks in one step of the idle thread: some 0.2 ms of work.
+// Largest numbers of frames and of bricks in one step of the idle thread: some 0.2 ms of work.
 constexpr std::size_t kFramesPerStep = 4 * ToolWays::kBatchFrames, kBricksPerStep = 16;
 // Number of chunks whose memory is kept for the next change. The first mesh has all bricks of the bone, a
 // later change some dozens.
 constexpr std::size_t kKeptChunks = 256;
-// As the limit of one step: all frames, or all bricks.
+// A limit for one step that allows all frames, or all bricks.
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
-/// Lets the system run the calling thread only on a CPU that nobody else wants. With an ordinary priority,
-/// however low, the engine's frames take 2 ms longer (95th percentile, 2 cores).
+/// Makes the system run the calling thread only on a CPU that no other thread wants (SCHED_IDLE). With an
+/// ordinary priority, however low, the engine's frames take 2 ms longer (95th percentile, 2 cores).
 void UseOnlyIdleCpus() {
   const sched_param none{};
   (void)pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
@@ -81,8 +81,8 @@ void SurfaceThread::TakeBack(std::vector<WayTimes> ways) {
   asked_ = std::move(ways);
 }
 
-// Carves a second field beside the shown one, so that nobody waits for the lock meanwhile. Then adds the
-// batches that arrived since, with the lock held, and shows the new field.
+// Carves a second field while the published one stays in use, so that no thread waits for the lock meanwhile.
+// Then takes the lock, adds the batches that have arrived since, and replaces the published field.
 void SurfaceThread::CarveAnewIfAsked() {
   std::optional<std::vector<WayTimes>> asked;
   {
@@ -158,7 +158,7 @@ void SurfaceThread::RunWhenIdle() {
   }
 }
 
-// Spends CPU time without the lock; RunWhenIdle then measures whether the thread got a CPU.
+// Uses CPU time without the lock. RunWhenIdle measures from it whether the thread gets a CPU.
 void SurfaceThread::TryForIdleCpu() {
   const rt::Nanoseconds end = CpuTime() + IdleShare::kTryTime;
   while (CpuTime() < end && !stop_.load()) continue;
@@ -209,7 +209,8 @@ bool SurfaceThread::CarveFrames(std::size_t max_frames) {
   const rt::Nanoseconds now = rt::MonotonicNow();
   std::size_t count = 0;
   for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) ways_.Add(frame, fresh_);
-  // Carve all new batches in one call: at the majority of the nodes the last batch alone decides the value.
+  // Carve all new batches in one call. Most nodes get their value from the last batch, so separate calls
+  // would do most of the work in vain.
   if (!fresh_.empty()) CarveFresh();
   const bool emptied = count < max_frames;
   if (emptied) read_ns_.store(now);

@@ -24,34 +24,36 @@ namespace osteon::surface {
 
 /// Parameters of SurfaceThread.
 struct SurfaceThreadParams {
-  /// Room for 8 s at 500 frames/s: the start with a large mesh takes as long, and nothing is carved
-  /// meanwhile.
+  /// Number of frames in the ring: 8 s at 500 frames/s. The start with a large mesh takes as long, and
+  /// nothing is carved meanwhile.
   std::size_t ring_frames{4096};
-  std::chrono::milliseconds period{33};  ///< time between two looks into the ring; chunks come no faster
+  /// Time between two polls of the ring; chunks are published no faster
+  std::chrono::milliseconds period{33};
   /// Makes the solid's field. Called on the thread; takes seconds for a mesh.
   std::function<std::shared_ptr<const SolidField>()> make_solid{};
   MaterialAt material{};  ///< empty: 0 everywhere
   /// Carves the bone that was cut before the first frame. Called on the thread; takes seconds. Empty: no bone
   /// was cut before.
   std::function<void(CarvedField&)> carve_earlier{};
-  /// Returns whether somebody looks at the surface. Called from any thread. While nobody looks, after the
-  /// first mesh, frames are carved but no mesh is made. Empty: somebody always looks.
+  /// Returns whether somebody watches the surface. Called from any thread. After the first mesh, frames are
+  /// still carved while nobody watches, but no mesh is made. Empty: the surface is always watched.
   std::function<bool()> is_watched{};
-  bool keeps_batches{false};  ///< keeps the batches that touch bone, so that TakeBack can leave some out
+  /// true: stores the batches that touch bone, so that TakeBack can leave some out
+  bool keeps_batches{false};
 };
 
 /// Carves and extracts the surface beside the engine, in a thread that the system runs only where a CPU would
-/// be idle (SCHED_IDLE). A second thread, of low normal priority, makes the first mesh. It also does the work
-/// if the surface has become kMaxAge old because no CPU is ever idle; while that lasts, every kBusyAge
-/// (IdleShare).
+/// be idle (SCHED_IDLE). A second thread, of low normal priority, makes the first mesh. If no CPU is ever
+/// idle and the surface is older than kMaxAge, the second thread does the work. As long as no CPU is idle
+/// (IdleShare), it works whenever the surface is older than kBusyAge.
 ///
 ///     engine's thread ──ToolFrame, SpscRing──▶ one of two threads ──chunks──▶ SurfaceSink
 ///
-/// The engine never waits: a full ring refuses a frame, and the next way then starts where the last pushed
-/// one ended. The ring's writer is the engine's thread. Its reader is the thread that holds the lock: one of
-/// the two threads, or a caller of Apply. SpscRing orders the memory. The idle thread holds the lock for a
-/// step of some 0.2 ms of work at a time, and drops its mesh if another thread has carved meanwhile. (There
-/// are two threads because a thread needs a privilege to leave SCHED_IDLE.)
+/// The engine never waits: a full ring refuses a frame, and the next path then starts where that of the last
+/// pushed frame ended. The ring's writer is the engine's thread. Its reader is the thread that holds the
+/// lock: one of the two threads, or a caller of Apply. SpscRing provides the memory ordering. The idle thread
+/// holds the lock for a step of some 0.2 ms of work at a time, and drops its mesh if another thread has
+/// carved meanwhile. (There are two threads because a thread needs a privilege to leave SCHED_IDLE.)
 class SurfaceThread {
  public:
   /// @param sink  must outlive the thread; called by one thread at a time
@@ -61,36 +63,37 @@ class SurfaceThread {
   SurfaceThread(const SurfaceThread&) = delete;
   SurfaceThread& operator=(const SurfaceThread&) = delete;
 
-  /// Age of the surface at which the thread of low normal priority makes it.
+  /// Age of the surface at which the thread of low normal priority updates it.
   static constexpr std::chrono::milliseconds kMaxAge{500};
-  /// This age while the idle thread gets no CPU.
+  /// The same age while the idle thread gets no CPU.
   static constexpr std::chrono::milliseconds kBusyAge{200};
-  /// Time between two looks of the idle thread into the ring while nobody looks at the surface.
+  /// Time between two polls of the ring by the idle thread while nobody watches the surface.
   static constexpr std::chrono::milliseconds kUnwatchedPeriod{200};
 
-  /// Passes a frame on. Engine's thread only.
-  /// @returns false where the ring was full
+  /// Pushes a frame into the ring. Called only by the engine's thread.
+  /// @returns false if the ring was full
   bool Push(const ToolFrame& frame) OSTEON_RT { return ring_.Push(frame); }
 
-  /// Carves all that was pushed, then lets `change` read or change the field and the ways, and publishes.
-  /// Waits for the field, which takes seconds for a mesh. Any thread; also after Stop.
-  /// @throws std::runtime_error with error() where the thread has failed; else what `change` throws.
+  /// Carves all pushed frames, lets `change` read or change the field and the tool's path, and publishes.
+  /// First waits until the field is made, which takes seconds for a mesh. Any thread may call it, also after
+  /// Stop.
+  /// @throws std::runtime_error with error() if the thread has failed; otherwise what `change` throws.
   void Apply(const std::function<void(CarvedField&, ToolWays&)>& change);
 
-  /// Leaves these parts of the way out from now on. The thread soon carves the rest anew; the caller does not
-  /// wait. Needs keeps_batches. Any thread.
-  /// @param ways  all parts to leave out, including those of earlier calls
+  /// Undoes these parts of the tool's path: the thread soon carves the rest of the path anew, and the caller
+  /// does not wait. Needs keeps_batches. Any thread may call it.
+  /// @param ways  all parts to undo, including those of earlier calls
   void TakeBack(std::vector<WayTimes> ways);
 
-  /// Carves and publishes what was pushed, and ends the thread. Safe to call twice.
+  /// Carves and publishes all pushed frames, and ends the threads. May be called twice.
   void Stop();
 
-  /// How far the published surface is behind: it contains all frames that were pushed that long ago, except
-  /// those of a batch that is not complete yet (ToolWays::kBatchFrames). Some 40 ms if a CPU is idle now and
-  /// then; grows while nobody looks. Any thread.
+  /// Age of the published surface: the surface contains all frames that were pushed at least this long ago,
+  /// except those of a batch that is not complete yet (ToolWays::kBatchFrames). It is some 40 ms if a CPU is
+  /// idle now and then, and grows while nobody watches. Any thread may call it.
   [[nodiscard]] std::chrono::nanoseconds age() const;
 
-  /// Frames that the full ring refused; any thread.
+  /// Number of frames that the full ring refused. Any thread may call it.
   [[nodiscard]] std::size_t skipped_frames() const OSTEON_RT { return ring_.dropped(); }
   /// After Stop: the exception that ended the thread before; empty if there was none.
   [[nodiscard]] const std::string& error() const { return error_; }
@@ -101,18 +104,19 @@ class SurfaceThread {
   /// Runs Run or RunWhenIdle, and stores the exception that ends it.
   void Guard(void (SurfaceThread::*run)());
   void MakeField();      // makes the solid's field, and publishes the first mesh
-  void PassInSteps();    // carves and extracts what is new; lets go of the lock after each step
+  void PassInSteps();    // carves and extracts what is new; releases the lock after each step
   void TryForIdleCpu();  // uses CPU time for a moment, so that RunWhenIdle sees whether the thread gets any
   [[nodiscard]] bool IsWatched() const { return !params_.is_watched || params_.is_watched(); }
   [[nodiscard]] bool IsBehind() const;  // whether the surface is too old to wait for an idle CPU
-  void CarveAnewIfAsked();              // does the work that TakeBack asked for
+  void CarveAnewIfAsked();              // carves the field anew if TakeBack has asked for it
 
   // The functions from here on are called with the lock held.
   bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
-  void CarveRest();                          // carves the incomplete batch, too
+  void CarveRest();                          // carves all frames, also those of the incomplete batch
   void CarveFresh();                         // carves the new batches
   void StartPass();  // the field has changed: extracts its dirty bricks from the first on
-  // Extracts dirty bricks if somebody looks, and publishes once all are done. Returns whether some are left.
+  // Extracts dirty bricks if somebody watches, and publishes when all are extracted. Returns whether some are
+  // left.
   bool ExtractSome(std::size_t max_bricks);
 
   SurfaceThreadParams params_;
@@ -129,11 +133,11 @@ class SurfaceThread {
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
   BatchedWays ways_;
-  SweptBatches fresh_;  // not carved yet
-  SweptBatches kept_;   // carved; kept if keeps_batches
+  SweptBatches fresh_;  // batches that are not carved yet
+  SweptBatches kept_;   // carved batches; stored only if keeps_batches
   std::vector<WayTimes> taken_back_;
-  std::vector<SurfaceChunk> chunks_;  // its memory is used again
-  bool published_{false};             // the first mesh
+  std::vector<SurfaceChunk> chunks_;  // kept, so that its memory is reused
+  bool published_{false};             // the first mesh was published
   std::size_t extracted_{0};          // dirty bricks that were extracted since the field last changed
   std::uint64_t passes_{0};           // number of changes of the field
   std::string error_;                 // read without the lock once the thread is joined

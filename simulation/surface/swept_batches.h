@@ -8,7 +8,7 @@
 
 namespace osteon::surface {
 
-/// A stretch of the tool's way, by the time stamps of the poses of its first and last frame.
+/// A stretch of the tool's path, given by the time stamps of the poses of its first and last frame.
 struct WayTimes {
   rt::Nanoseconds begin{0}, end{0};
   friend bool operator==(const WayTimes&, const WayTimes&) = default;
@@ -20,8 +20,8 @@ struct SweptBatch {
   bool touches{false};  ///< the tool touched or cut bone in one of the frames
   std::vector<Capsule> capsules;
 
-  /// Whether the batch still counts as swept: no stretch that was taken back overlaps it. A stretch that
-  /// overlaps a part of the batch takes the whole batch back.
+  /// Whether the batch still counts as swept: no stretch in `taken_back` overlaps it. A stretch that overlaps
+  /// only a part of the batch undoes the whole batch.
   [[nodiscard]] bool Counts(const std::vector<WayTimes>& taken_back) const;
 };
 using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;
@@ -30,8 +30,8 @@ using SweptBatches = std::vector<std::shared_ptr<const SweptBatch>>;
 [[nodiscard]] std::vector<Capsule> CapsulesOf(const SweptBatches& batches,
                                               const std::vector<WayTimes>& taken_back);
 
-/// ToolWays whose capsules come in batches with the times of their frames, so that a pass can be taken back.
-/// The tool may change; nothing is swept on the way from the last place of one tool to the first place of the
+/// ToolWays that returns capsules in batches, with the times of their frames, so that a pass can be undone.
+/// The tool may be changed; nothing is swept between the last pose of one tool and the first pose of the
 /// next.
 class BatchedWays {
  public:
@@ -41,10 +41,10 @@ class BatchedWays {
   void Add(const ToolFrame& frame, SweptBatches& out);
   /// Appends what was swept since the last batch as a batch, if anything was.
   void EndBatch(SweptBatches& out);
-  /// Goes on with another tool.
+  /// Continues with another tool.
   void UseTool(const simulation::Tool& tool, SweptBatches& out);
 
-  /// The ways of the tool in use, for a caller that replaces them.
+  /// The path of the tool in use, for a caller that replaces it.
   [[nodiscard]] ToolWays& ways() { return ways_; }
   /// Number of the last frame that was added.
   [[nodiscard]] std::uint64_t frame() const { return ways_.frame(); }

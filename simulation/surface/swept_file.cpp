@@ -23,7 +23,7 @@ using simulation::OutputFile;
 
 static_assert(std::endian::native == std::endian::little);
 
-/// The byte of a brick in the file.
+/// The byte of a brick in the file: nothing swept, everything swept, or values follow.
 enum BrickContent : std::uint8_t { kNothing = 0, kEverything = 1, kValues = 2 };
 constexpr std::size_t kValueBytes = kBrickNodes * sizeof(std::int16_t);
 

@@ -19,15 +19,16 @@ double DistanceFromChord(const Vector3& p, const Vector3& a, const Vector3& b) {
   return (p - a - t * along).norm();
 }
 
-/// Whether one of the kept balls contains the ball, which then sweeps nothing more.
+/// Whether one of the kept balls contains the ball. If so, the ball sweeps nothing that the kept ball does
+/// not sweep.
 bool IsCovered(const simulation::ToolBall& ball, const std::vector<simulation::ToolBall>& kept) {
   return std::any_of(kept.begin(), kept.end(), [&](const simulation::ToolBall& other) {
     return (Vector3(ball.center_m) - Vector3(other.center_m)).norm() + ball.radius_m <= other.radius_m;
   });
 }
 
-/// Whether no point of a tool is farther than a micrometre from its earlier place. Such a frame sweeps less
-/// than the thinning leaves out, and a tool that stands still has thousands of these frames.
+/// Whether no point of the tool has moved by more than a micrometre. Such a frame is skipped: it sweeps less
+/// than the error of the thinning, and a tool at rest has thousands of these frames.
 bool Dwells(double lever_m, const Pose& before, const Pose& now) {
   constexpr double kStill_m = 1e-6;
   // the difference of two rotation matrices that are an angle a apart has the norm sqrt(8) sin(a / 2)
@@ -67,7 +68,7 @@ bool ToolWays::Add(const ToolFrame& frame) {
     X_GP_ = X_GP;
     return !capsules_.empty();
   }
-  // The pose after the slide: the frame's new rotation, and T's origin before the bone gave way.
+  // The pose after the slide: the frame's new rotation, and T's origin before the bone yielded.
   Pose slid = X_GP;
   const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
   if (p_GS.allFinite()) slid.translation() = p_GS;

@@ -12,27 +12,27 @@
 
 namespace osteon::surface {
 
-/// The tool's way in one frame, in W. Plain data, so that it can pass through a ring between threads.
+/// The tool's path in one frame, in W. It is plain data, so that it can pass through a ring between threads.
 struct ToolFrame {
   PlainPose X_WP;                 ///< the proxy's pose at the frame's end
-  PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone gave way
+  PlainVector3 p_WS_m;            ///< T's origin after the slide, before the bone yielded
   bool cuts{false};               ///< the spindle turned
-  std::uint64_t frame{0};         ///< 0: no way
+  std::uint64_t frame{0};         ///< number of the frame; 0: no path
   bool touches{false};            ///< the tool touched or cut bone
   rt::Nanoseconds pose_stamp{0};  ///< when the frame's pose was commanded
 };
 
-/// Makes the way of a frame from its result. A frame with an error has no way.
+/// Makes a frame's path from the frame's contact model. A frame with an error has no path.
 [[nodiscard]] ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_rad_per_s);
 
-/// Turns the tool's way into the capsules that its cutting balls sweep, in G:
+/// Converts the tool's path into the capsules that its cutting balls sweep, in G:
 ///
 ///     old proxy ─▶ slid ─▶ new proxy        in every frame in which the spindle turns
 ///
-/// The way from the old proxy to the first contact is free of bone, so the corner there is left out. If a
-/// frame turns the tool much, interpolated poses are added, as in the engine. The ways of sixteen frames at a
-/// time are thinned to 5 um; skipped frames are replaced by a straight way. A tool that moves by less than a
-/// micrometre sweeps nothing more.
+/// The path from the old proxy to the first contact is free of bone, so the corner at the contact is left
+/// out. If a frame turns the tool much, interpolated poses are added, as in the engine. Batches of sixteen
+/// frames are thinned to 5 um. Skipped frames are replaced by a straight path. Frames in which the tool moves
+/// by less than a micrometre are skipped.
 class ToolWays {
  public:
   ToolWays(const simulation::Tool& tool, const Pose& X_WG);
@@ -40,9 +40,9 @@ class ToolWays {
   static constexpr int kBatchFrames = 16;
   static constexpr double kTolerance_m = 5e-6;
 
-  /// Adds a frame. Batches end after fixed numbers of frames, never by the clock, so that a run that is
-  /// carved again gives the same capsules.
-  /// @returns whether a batch is complete: call TakeCapsules then, which may return none
+  /// Adds a frame. A batch ends after a fixed number of frames, independent of time, so that carving a run
+  /// again gives the same capsules.
+  /// @returns whether a batch is complete: TakeCapsules then returns its capsules, possibly none
   bool Add(const ToolFrame& frame);
 
   /// Returns all capsules since the last call, including those of an incomplete batch.
@@ -52,9 +52,9 @@ class ToolWays {
   [[nodiscard]] std::uint64_t frame() const { return frame_; }
 
  private:
-  // Appends a frame's poses: to the pose after the slide in steps of little turn, then to the new proxy.
+  // Appends a frame's poses: interpolated poses up to the pose after the slide, then the new proxy.
   void AddWay(const Pose& slid, const Pose& X_GP);
-  // Thins the collected way and appends its capsules; the next way starts anew.
+  // Thins the collected path and appends its capsules. A new path then starts.
   void EndWay();
 
   Pose X_GW_;

@@ -11,9 +11,10 @@ namespace {
 std::uint64_t GlobalKey(const BrickLayout& layout, const SurfaceChunk& chunk, const SurfaceVertex& vertex) {
   const auto brick = layout.PlaceOf(chunk.brick);
   const int cell = vertex.key / kMaxPatches;
-  // Coordinate of a cell in the whole grid, by its brick's and its own in the brick.
+  // Coordinate of a cell in the whole grid, from the brick's coordinate b and the cell's coordinate c in the
+  // brick.
   const auto along = [](int b, int c) { return static_cast<std::uint64_t>(b * kBrickEdge + c); };
-  constexpr int kBits = 20;  // for each coordinate
+  constexpr int kBits = 20;  // number of bits for each coordinate
   std::uint64_t key = along(brick[2], cell / (kCellEdge * kCellEdge));
   key = key << kBits | along(brick[1], cell / kCellEdge % kCellEdge);
   key = key << kBits | along(brick[0], cell % kCellEdge);
@@ -25,7 +26,7 @@ std::uint64_t GlobalKey(const BrickLayout& layout, const SurfaceChunk& chunk, co
 WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& options) {
   WeldedSurface mesh;
   std::unordered_map<std::uint64_t, std::uint32_t> vertex_by_key;
-  std::vector<std::uint32_t> mesh_vertex;  // number in the mesh, by the number in the chunk
+  std::vector<std::uint32_t> mesh_vertex;  // for each vertex of the chunk, its number in the mesh
   SurfaceChunk chunk;
   for (BrickIndex brick = 0; brick < field.layout().Count(); ++brick) {
     ExtractChunk(field, brick, chunk, options);
@@ -40,7 +41,7 @@ WeldedSurface WeldSurface(const CarvedField& field, const ExtractOptions& option
       mesh.quads.push_back({mesh_vertex[chunk.quads[i]], mesh_vertex[chunk.quads[i + 1]],
                             mesh_vertex[chunk.quads[i + 2]], mesh_vertex[chunk.quads[i + 3]]});
   }
-  // Cells at the grid's faces belong to several bricks, and one of them may have a vertex without a quad.
+  // Cells at the faces between bricks belong to several bricks, and a chunk may have vertices without a quad.
   RemoveUnusedVertices(mesh);
   return mesh;
 }

@@ -24,10 +24,11 @@ struct EdgeCounts {
 };
 [[nodiscard]] EdgeCounts CountEdges(const WeldedSurface& mesh);
 
-/// Removes vertices that no quad has.
+/// Removes vertices that no quad uses.
 void RemoveUnusedVertices(WeldedSurface& mesh);
 
-/// Signed volume between a quad and the origin [mm³]: the enclosed volume is its sum over a closed mesh.
+/// Signed volume [mm³] between a quad and the origin. The sum over all quads of a closed mesh is the enclosed
+/// volume.
 [[nodiscard]] double VolumeUnder(const WeldedSurface& mesh, const std::array<std::uint32_t, 4>& quad);
 
 /// Enclosed volume [mm³], by the divergence theorem, each quad as two triangles.

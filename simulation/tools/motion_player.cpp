@@ -13,16 +13,16 @@ MotionCurve::MotionCurve(std::span<const MotionSample> samples) {
   for (const MotionSample& s : samples) {
     Knot knot{.time_s = s.time_s, .spindle_rad_per_s = s.spindle_rad_per_s, .value = {}, .second = {}};
     knot.value << s.p_GT_m, s.R_GT.w(), s.R_GT.x(), s.R_GT.y(), s.R_GT.z();
-    // q and -q are the same rotation: take the one nearer to its predecessor, so that the curve does not turn
-    // round
+    // q and -q are the same rotation: take the one nearer to the previous quaternion, so that the curve makes
+    // no detour
     if (!knots_.empty() && knots_.back().value.tail<4>().dot(knot.value.tail<4>()) < 0.0)
       knot.value.tail<4>() *= -1.0;
     knot.second.setZero();
     knots_.push_back(knot);
   }
-  // Second derivatives m of the natural spline, from a tridiagonal system of equations: h0 m0 + 2 (h0 + h1)
-  // m1 + h1 m2 = 6 (slope1 - slope0). Forward elimination leaves the diagonal and the right side; then back
-  // substitution.
+  // Compute the second derivatives m of the natural spline at the knots. For consecutive intervals of lengths
+  // h0 and h1, they satisfy h0 m0 + 2 (h0 + h1) m1 + h1 m2 = 6 (slope1 - slope0). This tridiagonal system is
+  // solved by forward elimination and back substitution.
   const std::size_t n = knots_.size();
   std::vector<double> diagonal(n, 1.0);
   const auto step = [&](std::size_t i) { return knots_[i + 1].time_s - knots_[i].time_s; };
@@ -48,7 +48,8 @@ Pose MotionCurve::X_GT(double time_s) const {
   const double t = std::clamp(time_s, knots_.front().time_s, knots_.back().time_s);
   const std::size_t i = IndexBefore(t);
   const Knot &a = knots_[i], &b = knots_[i + 1];
-  // The cubic between two knots, by its values and second derivatives at both: u and v are their weights.
+  // Evaluate the cubic between the knots a and b from its values and second derivatives at both; u and v are
+  // the weights of a and b.
   const double h = b.time_s - a.time_s, u = (b.time_s - t) / h, v = (t - a.time_s) / h;
   const Channels value =
       u * a.value + v * b.value + h * h / 6.0 * ((u * u * u - u) * a.second + (v * v * v - v) * b.second);
@@ -65,7 +66,8 @@ double MotionCurve::SpindleAt(double time_s) const {
 
 FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params) {
   const std::size_t count = recorded.size();
-  // Start with the ends, one sample every longest_step_s, and each change of the spindle's speed.
+  // Start with the first and the last sample, one sample every longest_step_s, and each change of the
+  // spindle's speed.
   std::vector<bool> kept(count, false);
   kept.front() = kept.back() = true;
   double last_s = recorded.front().time_s;
@@ -78,7 +80,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
     }
   }
 
-  // Add the worst sample of each stretch until a curve has no error above tolerance.
+  // Add the sample with the largest error of each stretch, until the curve has no error above the tolerance.
   FittedMotion fitted;
   for (bool done = false; !done;) {
     fitted = {};
@@ -86,7 +88,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
       if (kept[i]) fitted.samples.push_back(Rounded(recorded[i]));
     const MotionCurve curve(fitted.samples);
     done = true;
-    double worst = 1.0;  // in the present stretch, in units of the tolerance
+    double worst = 1.0;  // largest error in the present stretch, in units of the tolerance
     std::size_t worst_at = count;
     for (std::size_t i = 0; i < count; ++i) {
       const Pose X_GT = curve.X_GT(recorded[i].time_s);
@@ -95,7 +97,7 @@ FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& 
           Eigen::Quaterniond(X_GT.linear()).angularDistance(recorded[i].R_GT.normalized());
       fitted.position_error_m = std::max(fitted.position_error_m, position_m);
       fitted.rotation_error_rad = std::max(fitted.rotation_error_rad, rotation_rad);
-      if (kept[i]) {  // end of a stretch: keep its worst sample
+      if (kept[i]) {  // end of a stretch: keep its sample with the largest error
         if (worst_at < count) {
           kept[worst_at] = true;
           done = false;
@@ -118,7 +120,7 @@ MotionPlayer::MotionPlayer(const ToolMotion& motion, double rate_hz, const Pose&
     : curve_(motion.samples), rate_hz_(rate_hz), X_WG_(X_WG) {
   if (!(rate_hz >= 1.0 && rate_hz <= 1e5))
     throw std::invalid_argument(fmt::format("motion: rate: found {} Hz, accepted 1 … 100000 Hz", rate_hz));
-  // 1e-9: rounding must not lose the last frame of a duration of whole periods.
+  // 1e-9: if the duration is a whole number of periods, rounding must not lose the last frame.
   frame_count_ = static_cast<std::size_t>(curve_.duration_s() * rate_hz + 1e-9) + 1;
 }
 

@@ -30,14 +30,14 @@ class MotionCurve {
     double time_s, spindle_rad_per_s;
     Channels value, second;  // the pose's elements and their second derivatives
   };
-  // Index of the knot where the time's interval starts; at most the last but one.
+  // Index of the knot at which the interval of a time starts; at most the last but one.
   [[nodiscard]] std::size_t IndexBefore(double time_s) const;
   std::vector<Knot> knots_;
 };
 
 /// Result of thinning a motion, with its errors.
 struct FittedMotion {
-  std::vector<MotionSample> samples;  ///< rounded as they come back from a file
+  std::vector<MotionSample> samples;  ///< kept samples, rounded as a file stores them
   double position_error_m{0.0};       ///< largest distance of the curve from a recorded sample
   double rotation_error_rad{0.0};
 };
@@ -46,13 +46,13 @@ struct FittedMotion {
 struct FitParams {
   double tolerance_m{2e-6};
   double tolerance_rad{2e-5};   ///< 2 um at 100 mm from the apex
-  double longest_step_s{0.05};  ///< between kept samples
+  double longest_step_s{0.05};  ///< longest time between two kept samples
 };
 
-/// Selects recorded samples so that the curve through them stays within the tolerances of all samples. It
-/// keeps one every longest_step_s and those at which the spindle's speed changes. Then, as long as errors are
-/// too large, it adds from each stretch between kept samples the one with the largest error. The result
-/// depends on the arguments alone.
+/// Selects recorded samples so that the curve through them stays within the tolerances of all samples. First
+/// it keeps one sample every longest_step_s, and those at which the spindle's speed changes. Then, as long as
+/// an error is too large, it adds the sample with the largest error from each stretch between kept samples.
+/// The result depends on the arguments alone.
 /// @pre at least two samples, whose times ascend strictly; the first at 0
 [[nodiscard]] FittedMotion FitMotion(std::span<const MotionSample> recorded, const FitParams& params = {});
 
@@ -60,10 +60,10 @@ struct FitParams {
 class MotionPlayer {
  public:
   /// @param X_WG  pose of the bone
-  /// @throws std::invalid_argument where the rate is outside 1 … 100 000 Hz.
+  /// @throws std::invalid_argument if the rate is outside 1 … 100 000 Hz.
   MotionPlayer(const ToolMotion& motion, double rate_hz, const Pose& X_WG = Pose::Identity());
 
-  /// Frames 0 … frame_count() - 1, at 0, 1 / rate, … up to the motion's end.
+  /// Number of frames. Frame i is at the time i / rate, up to the motion's end.
   [[nodiscard]] std::size_t frame_count() const { return frame_count_; }
   [[nodiscard]] FrameInput Frame(std::size_t index) const;
 

@@ -7,7 +7,7 @@
 namespace osteon::simulation {
 namespace {
 
-// The corners, in T, of the box around the centres of the cutting balls; equal corners only once.
+// The corners, in T, of the box around the centres of the cutting balls; equal corners are listed once.
 std::vector<Vector3> CornersOf(const Tool& tool) {
   Eigen::AlignedBox3d box;
   for (const ToolBall& ball : tool.balls)
@@ -32,20 +32,21 @@ void ProxyPath::Add(const FrameRecord& frame) {
   if (!X_GP.matrix().allFinite()) return;
   X_GP_.push_back(X_GP);
   if (X_GP_.size() < max_poses_) return;
-  // Thin only the poses since the last thinning, from the pose at which that one ended.
+  // Thin only the poses that were added since the last thinning, starting from the pose at which that
+  // thinning ended.
   Thin(thinned_ == 0 ? 0 : thinned_ - 1);
   // If too many poses are left, thin all of them to twice the tolerance. The errors of successive thinnings
-  // add up: 1 + 2 + 4 + … times the first tolerance.
+  // add up to 1 + 2 + 4 + … times the first tolerance.
   while (X_GP_.size() > max_poses_ / 2) {
     step_m_ *= 2.0;
     Thin(0);
   }
 }
 
-// Distance of pose X from the chord from A to B: the largest over the corners of the tool's box, each against
-// its own interpolated position. All corners use one fraction of the chord, at which the first corner is
-// nearest. A pose is an affine map, so the centre of a ball inside the box is no farther off than the
-// corners.
+// Distance of pose X from the chord from A to B: the largest distance of a corner of the tool's box from its
+// interpolated position. All corners use the same fraction of the chord: the one at which the first corner is
+// nearest. A pose is an affine map, so a ball's centre inside the box is never farther from its interpolated
+// position than the farthest corner.
 double ProxyPath::DistanceFromChord(const Pose& X, const Pose& A, const Pose& B) const {
   const Vector3 a = A * corners_T_.front(), along = B * corners_T_.front() - a;
   const double length2 = along.squaredNorm();

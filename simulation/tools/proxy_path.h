@@ -10,9 +10,10 @@
 
 namespace osteon::simulation {
 
-/// The proxy's path in G, frame by frame, for runs of any length. It keeps every pose while there are fewer
-/// than kMaxPoses. Then it is thinned so that each cutting ball's centre stays within tolerance_m of its
-/// path. Memory does not grow with the run: where thinning keeps too many poses, the tolerance is doubled.
+/// The proxy's path in G, frame by frame, for runs of any length. All poses are stored as long as there are
+/// fewer than kMaxPoses. Then the path is thinned, so that the centre of each cutting ball stays within
+/// tolerance_m of its true path. If too many poses are left, the tolerance is doubled, so that memory does
+/// not grow with the length of the run.
 class ProxyPath {
  public:
   static constexpr std::size_t kMaxPoses = std::size_t{1} << 17;  ///< 131 s at 1000 frames/s; 16 MiB
@@ -20,7 +21,7 @@ class ProxyPath {
   /// @param max_poses  at least 4
   ProxyPath(const Tool& tool, const Pose& X_WG, std::size_t max_poses = kMaxPoses);
 
-  /// Adds a frame. Frames in which the engine reported an error, or without a number (0), are left out.
+  /// Adds a frame. Frames in which the engine reported an error, or whose number is 0, are left out.
   void Add(const FrameRecord& frame);
 
   [[nodiscard]] std::span<const Pose> X_GP() const { return X_GP_; }
@@ -30,7 +31,8 @@ class ProxyPath {
  private:
   static constexpr double kFirstStep_m = 0.125e-6;  // tolerance of the first thinning
 
-  // Largest distance [m] of a ball's centre at pose X from its chord between the poses A and B.
+  // Upper bound [m] of the distance of a cutting ball's centre at pose X from its chord between the poses A
+  // and B.
   [[nodiscard]] double DistanceFromChord(const Pose& X, const Pose& A, const Pose& B) const;
   // Thins the poses from index `first` to the end to within step_m_.
   void Thin(std::size_t first);
@@ -40,7 +42,7 @@ class ProxyPath {
   std::size_t max_poses_;
   std::vector<Pose> X_GP_;
   std::size_t thinned_{0};       // number of poses at the beginning that were thinned
-  double step_m_{kFirstStep_m};  // tolerance of that thinning
+  double step_m_{kFirstStep_m};  // tolerance of the present thinning
 };
 
 }  // namespace osteon::simulation

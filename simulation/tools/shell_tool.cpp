@@ -11,7 +11,8 @@ namespace osteon::simulation {
 
 Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
   constexpr std::size_t kMax = 100'000;
-  constexpr double kRadiusOverDistance = 3.0;  // a ball's radius over the balls' mean distance: r <= 3 d
+  // largest radius of a ball over the balls' mean distance: r <= 3 d
+  constexpr double kRadiusOverDistance = 3.0;
   if (count < 1 || count > kMax)
     throw std::invalid_argument(fmt::format("tool balls: found {}, accepted 1 … {}", count, kMax));
   const auto cutting =
@@ -22,7 +23,7 @@ Tool MakeShellTool(const Tool& tool, std::size_t count, ShellPart part) {
   if (count == 1) return tool;
 
   const ToolBall head = *CuttingHead(tool);
-  // height of the part over the head's radius: of the hemisphere 1, of the sphere 2
+  // height of the part, divided by the head's radius: 1 for the hemisphere, 2 for the sphere
   const double height_ratio = part == ShellPart::kHemisphere ? 1.0 : 2.0;
   const double distance_m =
       head.radius_m * std::sqrt(2.0 * std::numbers::pi * height_ratio / static_cast<double>(count));

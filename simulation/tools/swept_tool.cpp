@@ -18,7 +18,7 @@ SweptTool::SweptTool(std::span<const ToolPath> paths, double tolerance_m) {
 }
 
 void SweptTool::Add(const ToolPath& tool_path, double tolerance_m) {
-  constexpr std::size_t kChunk = 16;  // capsules in a chunk
+  constexpr std::size_t kChunk = 16;  // largest number of capsules in a chunk
   for (const ToolBall& ball : tool_path.tool->balls) {
     if (!ball.cutting || !(ball.radius_m > 0.0)) continue;
     std::vector<Vector3> path;
@@ -29,7 +29,7 @@ void SweptTool::Add(const ToolPath& tool_path, double tolerance_m) {
     path = ThinPath(path, tolerance_m, [](const Vector3& p, const Vector3& a, const Vector3& b) {
       return (p - ClosestOnSegment(p, a, b)).norm();
     });
-    if (path.size() == 1) path.push_back(path.front());  // a tool that stood still sweeps its balls
+    if (path.size() == 1) path.push_back(path.front());  // a tool that did not move sweeps its own balls
     for (std::size_t i = 0; i + 1 < path.size(); i += kChunk) {
       const std::size_t end = std::min(i + kChunk, path.size() - 1);
       Chunk chunk{path[i], path[i], capsules_.size(), capsules_.size() + end - i, ball.radius_m};
@@ -46,7 +46,7 @@ void SweptTool::Add(const ToolPath& tool_path, double tolerance_m) {
 SweptDistance SweptTool::Nearest(const Vector3& p_G) const {
   SweptDistance best{std::numeric_limits<double>::infinity(), p_G};
   for (const Chunk& chunk : chunks_) {
-    // No capsule of the chunk is nearer than its box less the ball's radius.
+    // Every capsule of the chunk is at least as far away as the chunk's box, less the ball's radius.
     const double to_box = (chunk.min - p_G).cwiseMax(p_G - chunk.max).cwiseMax(0.0).norm();
     if (to_box - chunk.radius_m >= best.distance_m) continue;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {

@@ -8,13 +8,14 @@
 
 namespace osteon::simulation {
 
-/// Distance to a swept volume, and the nearest place of its path.
+/// Signed distance to a swept volume, and the nearest point on the path of a ball's centre.
 struct SweptDistance {
   double distance_m;  ///< to the volume's surface; negative inside
   Vector3 axis_G;  ///< centre of the nearest ball on its path; the query point itself where nothing was swept
 };
 
-/// A tool and the path of its poses in G; a session's tools cut one after the other.
+/// A tool and the path of its poses in G. A session has one for each of its tools, which cut one after the
+/// other.
 struct ToolPath {
   const Tool* tool;
   std::span<const Pose> X_GP;
@@ -24,18 +25,18 @@ struct ToolPath {
 /// poses, in G.
 class SweptTool {
  public:
-  /// Leaves out points of the path that a chord passes within `tolerance_m`, and skips poses that are not
-  /// finite.
+  /// Skips poses that are not finite. Leaves out poses if the remaining path stays within `tolerance_m` of
+  /// each ball's centre.
   SweptTool(const Tool& tool, std::span<const Pose> X_GP, double tolerance_m = 1e-6);
-  /// The union of what several tools sweep.
+  /// The union of the volumes that several tools sweep.
   explicit SweptTool(std::span<const ToolPath> paths, double tolerance_m = 1e-6);
 
   /// Signed distance [m] to the union: negative inside. Exact outside; inside, its absolute value is a lower
-  /// bound of the distance to the union's surface. Infinity where nothing was swept.
+  /// bound of the distance to the union's surface. Infinity if nothing was swept.
   [[nodiscard]] double SignedDistance(const Vector3& p_G) const { return Nearest(p_G).distance_m; }
 
   [[nodiscard]] SweptDistance Nearest(const Vector3& p_G) const;
-  /// A box around the swept volume; empty where nothing was swept.
+  /// A box around the swept volume; empty if nothing was swept.
   [[nodiscard]] Eigen::AlignedBox3d Bounds() const;
   [[nodiscard]] bool empty() const { return capsules_.empty(); }
 

@@ -6,8 +6,8 @@
 namespace osteon::simulation {
 
 /// Removes points of a path while the rest stays within a tolerance of it; both ends stay.
-/// @param distance  distance(p, a, b): of a point from the chord between two others
-/// Source: Douglas and Peucker, 1973; with an explicit stack, since a path may have 100 000 points.
+/// @param distance  distance(p, a, b) returns the distance of the point p from the chord from a to b Source:
+/// Douglas and Peucker, 1973; with an explicit stack, since a path may have 100 000 points.
 template <class Point, class Distance>
 [[nodiscard]] std::vector<Point> ThinPath(const std::vector<Point>& path, double tolerance,
                                           Distance distance) {

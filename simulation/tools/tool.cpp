@@ -19,7 +19,8 @@ Tool MakeReamer(double head_radius_m, double shaft_radius_m, double shaft_length
   tool.name = "hemispherical reamer " + std::to_string(std::lround(head_radius_m * 2000.0)) + " mm";
   tool.balls.push_back(
       {.center_m = Vector3(0, 0, -head_radius_m), .radius_m = head_radius_m, .cutting = true});
-  // shaft balls overlap by half, the first one inside the head, so that no bone passes between two of them
+  // Adjacent shaft balls are one radius apart, and the centre of the first one lies on the back of the head,
+  // so that bone hardly fits between them.
   const int count = static_cast<int>(std::ceil(shaft_length_m / shaft_radius_m));
   for (int i = 1; i <= count; ++i)
     tool.balls.push_back({.center_m = Vector3(0, 0, -2.0 * head_radius_m - (i - 1) * shaft_radius_m),

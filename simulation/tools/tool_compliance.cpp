@@ -13,12 +13,13 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr int kSlices = 256;               // number of slices of a piece
-constexpr double kVibratingShare = 0.236;  // share of a cantilever's mass that counts as if at its end
+constexpr int kSlices = 256;  // number of slices of a piece
+// share of a cantilever's mass that, placed at its free end, gives the same first frequency
+constexpr double kVibratingShare = 0.236;
 
-/// A slice of the free length.
+/// A slice of the free length, which is the part of the tool in front of the clamp.
 struct Slice {
-  double front_m, back_m;  ///< distance behind the apex
+  double front_m, back_m;  ///< distances of front and back from the apex
   /// Stiffness against bending [N m²], along the axis [N] and against torsion [N m²]; infinite where rigid.
   double EI, EA, GJ;
   double mass_kg;
@@ -45,7 +46,7 @@ std::vector<Slice> SlicesOf(std::span<const BeamPiece> pieces, const BeamParams&
                   .mass_kg = p.density_kg_per_m3 * area_m2 * step_m};
       if (piece.rigid) {
         slice.EI = slice.EA = slice.GJ = std::numeric_limits<double>::infinity();
-        slice.mass_kg = 0.0;  // counted as the head's
+        slice.mass_kg = 0.0;  // a rigid piece's mass is included in the head's mass
       }
       slices.push_back(slice);
     }
@@ -53,8 +54,8 @@ std::vector<Slice> SlicesOf(std::span<const BeamPiece> pieces, const BeamParams&
   return slices;
 }
 
-/// Whether the free length carries a thrust P without buckling. The deflection z follows z'' = -P z / EI from
-/// z = 0 at the tip; below the buckling thrust its slope stays positive up to the clamp.
+/// Whether the free length bears a thrust P without buckling. The deflection z follows z'' = -P z / EI from z
+/// = 0 at the tip; below the buckling thrust its slope stays positive up to the clamp.
 bool Carries(const std::vector<Slice>& slices, double thrust_N) {
   double z = 0.0, slope = 1.0;
   for (const Slice& slice : slices) {
@@ -72,7 +73,7 @@ bool Carries(const std::vector<Slice>& slices, double thrust_N) {
   return true;
 }
 
-/// The largest thrust [N] that the free length carries, by bisection.
+/// The largest thrust [N] that the free length bears without buckling, by bisection.
 double BucklingThrust(const std::vector<Slice>& slices) {
   double low_N = 0.0, high_N = 1.0;
   while (Carries(slices, high_N) && high_N < 1e9) high_N *= 2.0;
@@ -146,8 +147,8 @@ double ThrustFactor(double thrust_N, double buckling_N) {
 }
 
 std::vector<BeamPiece> BeamOf(const ToolProfile& profile) {
-  // The head goes from the apex to the first piece that does not cut, or that begins at its full width and is
-  // straight or fluted.
+  // The head reaches from the apex to the first piece that does not cut, or that is straight or fluted and
+  // begins at the full width.
   std::vector<BeamPiece> beam;
   bool in_head = true;
   for (const ProfilePiece& piece : profile.pieces()) {
@@ -155,7 +156,7 @@ std::vector<BeamPiece> BeamOf(const ToolProfile& profile) {
     const bool begins_wide = piece.front_r_m >= piece.back_r_m && piece.front_r_m > 0.0;
     in_head = in_head && piece.cutting && !(fluted && begins_wide) &&
               !(begins_wide && piece.sphere_radius_m == 0.0);
-    if (piece.front_z_m - piece.back_z_m <= 0.0) continue;  // a flat face
+    if (piece.front_z_m - piece.back_z_m <= 0.0) continue;  // a flat face has no length
     beam.push_back({.from_m = -piece.front_z_m,
                     .to_m = -piece.back_z_m,
                     .from_radius_m = piece.front_r_m,

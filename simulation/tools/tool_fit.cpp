@@ -59,7 +59,7 @@ std::optional<ToolBall> BallBelowEdge(const Solid& solid, const SurfaceSample& s
       .center_m = sample.p_m - low * sample.normal, .radius_m = radius, .cutting = sample.cutting};
 }
 
-// Distance of a surface point from the ball, 0 inside.
+// Gap between a surface point and a ball; 0 inside the ball.
 double Gap(const Vector3& p_m, const ToolBall& ball) {
   return std::max(0.0, (p_m - Vector3(ball.center_m)).norm() - ball.radius_m);
 }
@@ -68,7 +68,7 @@ double Gap(const Vector3& p_m, const ToolBall& ball) {
 
 ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
                 const std::vector<ToolBall>& first, const ToolFitParams& params) {
-  // sort by height: the samples that a ball can serve are then one stretch of the list
+  // Sort by height: the samples that a ball can serve then stand next to each other in the list.
   std::vector<SurfaceSample> sorted(samples.begin(), samples.end());
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const SurfaceSample& a, const SurfaceSample& b) { return a.p_m.z() > b.p_m.z(); });
@@ -77,7 +77,8 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
 
   const double largest_m = 0.5 * solid.Bounds().sizes().maxCoeff();
   std::vector<ToolBall> candidates;
-  // Large lists of samples: every second to fourth sample gives a candidate, and each one on an edge.
+  // Every sample gives a candidate ball. In large lists, only every second to fourth sample does, and each
+  // sample on an edge.
   const std::size_t stride = std::clamp<std::size_t>(sorted.size() / 3000, 1, 4);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     if (!sorted[i].edge && i % stride != 0) continue;
@@ -86,7 +87,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     if (ball) candidates.push_back(*ball);
   }
 
-  std::vector<double> gap(sorted.size(), kInfinity);  // of each sample, with the balls that were added
+  std::vector<double> gap(sorted.size(), kInfinity);  // gap at each sample, with the balls added so far
   // calls visit(i) for the samples of the ball's kind near enough to be served, in order
   const auto for_near = [&](const ToolBall& ball, const auto& visit) {
     const double reach = ball.radius_m + max_gap_m;
@@ -111,7 +112,8 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     if (gap[i] <= sorted[i].gap_m) continue;
     serving.clear();
     const ToolBall* best = nullptr;
-    double best_gap = 0.9 * gap[i];  // where no ball serves the sample, the nearest one is used
+    // if no candidate serves the sample, the one with the smallest gap is used
+    double best_gap = 0.9 * gap[i];
     for (const ToolBall& ball : candidates) {
       if (ball.cutting != sorted[i].cutting) continue;
       const double remaining_gap_m = Gap(sorted[i].p_m, ball);
@@ -120,7 +122,7 @@ ToolFit FitTool(const Solid& solid, std::span<const SurfaceSample> samples,
     }
     // If many candidates serve the sample, only some of them are evaluated: neighbours serve almost the same
     // samples.
-    constexpr std::size_t kLookedAt = 256;  // candidates that are evaluated, about
+    constexpr std::size_t kLookedAt = 256;  // approximate number of candidates that are evaluated
     std::size_t max_served = 0;
     const std::size_t step = serving.size() / kLookedAt + 1;
     for (std::size_t k = 0; k < serving.size(); k += step) {

@@ -35,14 +35,14 @@ MassProperties HolderMass(const HolderParams& holder, double front_z_m) {
                                 holder.density_kg_per_m3);
 }
 
-/// Builds a turned tool's outline, (z, r), from the apex towards the holder.
+/// Builds the outline of a turned tool as points (z, r), from the apex towards the holder.
 class Outline {
  public:
   explicit Outline(const BallParams& balls) : balls_(balls) {}
 
   /// Adds a straight line to the point (z, r), unless it would have no length.
   Outline& LineTo(double z_m, double r_m, bool cutting) {
-    constexpr double kNothing_m = 1e-9;  // a shorter line has no length
+    constexpr double kNothing_m = 1e-9;  // a shorter line is left out
     if (std::abs(z_m - z_m_) < kNothing_m && std::abs(r_m - r_m_) < kNothing_m) return *this;
     return Add({.back_z_m = z_m, .back_r_m = r_m, .cutting = cutting});
   }
@@ -92,11 +92,13 @@ void CheckBallsAndHolder(const std::string& name, const BallParams& balls, const
 Tool FitBalls(const std::string& name, const Solid& solid,
               const std::function<std::vector<SurfaceSample>(std::size_t)>& sample,
               const std::vector<ToolBall>& first, std::size_t max_count) {
-  constexpr std::size_t kSamplesPerBall = 120;  // at least, for the fit to be accepted
+  // smallest number of samples per ball for which a fit is accepted
+  constexpr std::size_t kSamplesPerBall = 120;
   const ToolFitParams params{.max_count = max_count};
   std::vector<SurfaceSample> samples;
   ToolFit fit;
-  // Take four times as many samples until there are enough for the balls, or the balls do not suffice.
+  // Repeat the fit with four times as many samples until there are enough samples for the number of balls, or
+  // the balls do not suffice.
   for (std::size_t count = 16'000;; count *= 4) {
     samples = sample(count);
     for (SurfaceSample& s : samples) s.gap_m *= kSampleGapFraction;

@@ -22,12 +22,12 @@ MassProperties RevolvedMassProperties(std::span<const ProfilePiece> pieces, doub
   // Gauss points and their weights on -1 … 1.
   const std::array<double, 3> kAt{-std::sqrt(0.6), 0.0, std::sqrt(0.6)};
   constexpr std::array<double, 3> kWeight{5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
-  // one body for each piece, with its inertia about its own centre, to avoid cancellation
+  // one body for each piece, with its inertia about its own centre: this avoids cancellation
   std::vector<MassProperties> bodies;
   for (const ProfilePiece& piece : pieces) {
     const double middle = 0.5 * (piece.front_z_m + piece.back_z_m);
     const double half = 0.5 * (piece.front_z_m - piece.back_z_m);
-    if (half <= 0.0) continue;  // a flat face
+    if (half <= 0.0) continue;  // a flat face has no volume
     // The integrals of r², r² z, r² z² and r⁴ over the piece, with z from the piece's middle.
     double volume = 0.0, first = 0.0, second = 0.0, fourth = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -24,7 +24,7 @@ std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolPa
   // places on the surface at even steps of area; within a triangle by the R2 sequence (tool_profile.cpp)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
-  // Where the sequence begins: seeds are spread by the golden ratio.
+  // Start of the sequence. The golden ratio spreads the starts of different seeds.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   std::vector<SurfaceSample> samples;
   samples.reserve(count);
@@ -34,7 +34,8 @@ std::vector<SurfaceSample> SampleMesh(const TriangleMesh& mesh, const MeshToolPa
     while (triangle + 1 < area_up_to.size() && area_up_to[triangle] < at) ++triangle;
     double u = fraction(start + kA1 * static_cast<double>(i)),
            v = fraction(start + kA2 * static_cast<double>(i));
-    if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;  // from the parallelogram's other half into the triangle
+    if (u + v > 1.0)
+      u = 1.0 - u, v = 1.0 - v;  // reflects a point of the parallelogram's other half into the triangle
     const auto& [a, b, c] = mesh.triangles[triangle];
     const Vector3 p = mesh.vertices_m[a], ab = mesh.vertices_m[b] - p, ac = mesh.vertices_m[c] - p;
     const Vector3 on = p + u * ab + v * ac;

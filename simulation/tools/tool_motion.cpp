@@ -24,12 +24,13 @@ constexpr std::array<std::string_view, kColumnCount> kColumnNames{
     "time_s", "x_mm", "y_mm", "z_mm", "q_w", "q_x", "q_y", "q_z", "spindle_rpm"};
 
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
-// Largest values of a row: time [s], coordinate of a position [mm], spindle's speed [rpm].
+// Largest accepted values in a row: time [s], coordinate of a position [mm], spindle speed [rpm].
 constexpr double kMaxSeconds = 36000.0, kFar_mm = 10000.0, kMaxRpm = 500'000.0;
-constexpr double kUnitTolerance = 1e-5;  // a rounding of 1e-7 in four values, with a margin
+// largest error of the quaternion's length: four values rounded to 1e-7, with a margin
+constexpr double kUnitTolerance = 1e-5;
 constexpr double kMaxSpeed_m_per_s = 5.0;
 
-// The lines of the file's head that say how the motion was made, in the file's order.
+// The lines of the file's head that describe the motion's origin, in the file's order.
 using OriginLine = std::pair<std::string_view, std::string MotionOrigin::*>;
 constexpr std::array<OriginLine, 8> kOriginLines{{{"made by", &MotionOrigin::made_by},
                                                   {"scene", &MotionOrigin::scene},
@@ -40,8 +41,8 @@ constexpr std::array<OriginLine, 8> kOriginLines{{{"made by", &MotionOrigin::mad
                                                   {"command", &MotionOrigin::command},
                                                   {"interpolation error", &MotionOrigin::error}}};
 
-// Rounds to a multiple of 1 / per_unit. The quotient is the double nearest to that decimal, so its shortest
-// text has no more places; minus zero becomes zero.
+// Rounds to a multiple of 1 / per_unit. The result is the double nearest to this decimal number, so its
+// shortest text has no more decimal places. Minus zero becomes zero.
 double Rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit + 0.0; }
 
 // The values of a sample's row in the file, rounded as the file shows them.
@@ -94,7 +95,7 @@ class MotionLines {
   bool ends_with_newline_{true};
 };
 
-// Reads a row and checks its values. @returns an empty string, or what is wrong with it.
+// Reads a row and checks its values. @returns an empty string, or what is wrong with the row.
 std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row) {
   const auto count = static_cast<std::size_t>(std::ranges::count(line, ',')) + 1;
   if (count != kColumnCount) return fmt::format("found {} values, accepted 9: {}", count, kColumns);
@@ -120,7 +121,7 @@ std::string ReadRow(std::string_view line, std::array<double, kColumnCount>& row
   return within(8, 0.0, kMaxRpm);
 }
 
-// Checks that the time ascends from one row to the next, and that the tool moves and turns no faster than
+// Checks that time increases from one row to the next, and that the tool moves and turns no faster than
 // accepted. @returns an empty string, or what is wrong.
 std::string CheckStep(const MotionSample& before, const MotionSample& sample) {
   const double step_s = sample.time_s - before.time_s;
@@ -211,7 +212,7 @@ tl::expected<ToolMotion, std::string> LoadMotion(const std::filesystem::path& pa
     return tl::make_unexpected(name + ": found no file, accepted a motion");
   const auto bytes = std::filesystem::file_size(path, error);
   if (error) return tl::make_unexpected(name + ": can not be read: " + error.message());
-  if (bytes > kMaxBytes)  // checked before the file is read
+  if (bytes > kMaxBytes)  // check the size before reading the file
     return tl::make_unexpected(
         fmt::format("{}: found {} bytes, accepted at most {}", name, bytes, kMaxBytes));
   std::ostringstream text;

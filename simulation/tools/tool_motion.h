@@ -16,7 +16,7 @@ struct MotionSample {
   double time_s{0.0};
   Vector3 p_GT_m{Vector3::Zero()};
   Eigen::Quaterniond R_GT{Eigen::Quaterniond::Identity()};
-  double spindle_rad_per_s{0.0};  ///< from here to the next sample
+  double spindle_rad_per_s{0.0};  ///< spindle speed from this sample to the next one
 };
 
 /// Origin of a motion: one line of text each.
@@ -43,16 +43,17 @@ inline constexpr std::size_t kMaxMotionRows = 200'000;
 ///
 ///     time_s,x_mm,y_mm,z_mm,q_w,q_x,q_y,q_z,spindle_rpm
 ///
-/// T's origin and axes in G. Times are rounded to 1 us, positions to 0.1 um, the unit quaternion to 1e-7, the
-/// spindle to 0.001 rpm. Line breaks in the origin become spaces.
+/// The pose is that of T in G. Times are rounded to 1 us, positions to 0.1 um, the unit quaternion to 1e-7,
+/// the spindle to 0.001 rpm. Line breaks in the origin become spaces.
 [[nodiscard]] std::string MotionText(const ToolMotion& motion);
 
 /// Rounds a sample as a file stores it.
 [[nodiscard]] MotionSample Rounded(const MotionSample& sample);
 
-/// Reads the text of MotionText. The error names the name, the line, the value and what is accepted: up to 16
-/// MiB, 200 000 rows and 10 h; positions within ±10 m; quaternions of length 1 to within 1e-5; 0 … 500 000
-/// rpm; from row to row a mean speed of at most 5 m/s and a quarter turn.
+/// Reads a text in the form of MotionText. An error names `name`, the line, the value and what is accepted.
+/// Accepted are up to 16 MiB, 200 000 rows and 10 h; positions within ±10 m; quaternions of length 1 to
+/// within 1e-5; 0 … 500 000 rpm; from row to row a mean speed of at most 5 m/s and a turn of at most 90
+/// degrees.
 [[nodiscard]] tl::expected<ToolMotion, std::string> ParseMotion(const std::string& text,
                                                                 const std::string& name);
 

@@ -11,14 +11,14 @@
 namespace osteon::simulation {
 namespace {
 
-constexpr double kJoin_m = 1e-9;  // largest distance of ends that count as joined
+constexpr double kJoin_m = 1e-9;  // largest distance between ends that are accepted as joined
 using Point2 = Eigen::Vector2d;   // (r, z)
 
 [[noreturn]] void Refuse(std::size_t piece, const std::string& what) {
   throw std::invalid_argument(fmt::format("tool outline: piece {}: {}", piece + 1, what));
 }
 
-/// Area [m²] of the surface that the piece makes about the axis.
+/// Area [m²] of the piece's surface of revolution about the axis.
 double Area(const ProfilePiece& p) {
   if (p.sphere_radius_m > 0.0) return 2.0 * std::numbers::pi * p.sphere_radius_m * (p.front_z_m - p.back_z_m);
   return std::numbers::pi * (p.front_r_m + p.back_r_m) *
@@ -40,7 +40,7 @@ Point2 NearestPointOn(const ProfilePiece& piece, const Point2& q) {
   return front + std::clamp((q - front).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
 }
 
-// The point of the piece before which the fraction u of its area lies, and the outward normal there.
+// The point in front of which the fraction u of the piece's area lies, and the outward normal there.
 std::pair<Point2, Point2> PointAndNormalAt(const ProfilePiece& p, double u) {
   if (p.sphere_radius_m > 0.0) {
     const double z = p.front_z_m + u * (p.back_z_m - p.front_z_m), dz = z - p.sphere_z_m;
@@ -59,7 +59,7 @@ std::pair<Point2, Point2> PointAndNormalAt(const ProfilePiece& p, double u) {
 
 ToolProfile::ToolProfile(std::vector<ProfilePiece> pieces) : pieces_(std::move(pieces)) {
   if (pieces_.empty()) throw std::invalid_argument("tool outline: no piece");
-  double z = 0.0, r = pieces_.front().front_r_m;  // where the next piece has to begin
+  double z = 0.0, r = pieces_.front().front_r_m;  // point at which the next piece has to begin
   if (std::abs(r) > kJoin_m) Refuse(0, fmt::format("found a hole of {:.6g} mm at the apex", r * 1e3));
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const ProfilePiece& p = pieces_[i];
@@ -107,8 +107,8 @@ double ToolProfile::RadiusAt(double z_m) const {
 }
 
 SurfacePoint ToolProfile::NearestSurface(const Vector3& p_m) const {
-  // In the half plane (r, z) through the point and the axis: compare all pieces, the part in the holder and
-  // its end.
+  // Work in the half plane (r, z) through the point and the axis: find the nearest point of all pieces, of
+  // the part in the holder, and of its end face.
   const Point2 q(std::hypot(p_m.x(), p_m.y()), p_m.z());
   const Vector3 out =
       q.x() > 0.0 ? Vector3(p_m.x() / q.x(), p_m.y() / q.x(), 0.0) : Vector3(Vector3::UnitX());
@@ -136,7 +136,7 @@ Eigen::AlignedBox3d ToolProfile::Bounds() const {
 }
 
 std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t seed) const {
-  constexpr std::size_t kMin = 64;  // samples on a piece, at least
+  constexpr std::size_t kMin = 64;  // smallest number of samples on a piece
   // The number of samples is proportional to area over gap, because the depth of a scallop between two balls
   // grows with the square of their spacing.
   double total = 0.0;
@@ -157,7 +157,7 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
   // Sequences, 2018)
   constexpr double kA1 = 0.7548776662466927, kA2 = 0.5698402909980532;
   const auto fraction = [](double x) { return x - std::floor(x); };
-  // Where the sequence begins: seeds are spread by the golden ratio.
+  // Start of the sequence. The golden ratio spreads the starts of different seeds.
   const double start = 0.5 + 0.6180339887498949 * static_cast<double>(seed % 1'000'003);
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
     const ProfilePiece& piece = pieces_[k];
@@ -168,7 +168,8 @@ std::vector<SurfaceSample> ToolProfile::Sample(std::size_t count, std::uint64_t 
       const auto [at, normal] = PointAndNormalAt(piece, fraction(start + kA1 * static_cast<double>(i)));
       add(piece, at, normal, fraction(start + kA2 * static_cast<double>(i)), false);
     }
-    // samples on the piece's two edges, where the gap is largest: a ring each, or the apex
+    // Samples on the piece's two edges, where the gap is largest: a ring for each edge, or a single point at
+    // the apex.
     for (const bool back : {false, true}) {
       const auto [at, normal] = PointAndNormalAt(piece, back ? 1.0 : 0.0);
       const bool apex = at.x() <= kJoin_m;

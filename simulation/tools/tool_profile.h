@@ -5,8 +5,8 @@
 #include "simulation/solids/solid.h"
 #include "simulation/tools/tool_fit.h"
 
-// The exact outline of a turned tool, to which its balls are fitted. Its mass and the error of its balls are
-// computed from it.
+// The exact outline of a turned tool. The tool's balls are fitted to it, and the tool's mass and the balls'
+// error are computed from it.
 //
 //         r ▲
 //           │        back ┌────────┐ shank
@@ -29,12 +29,12 @@ struct ProfilePiece {
 };
 
 /// A solid of revolution about T's z axis: pieces from the apex (z = 0) back, each beginning where the
-/// previous one ended. Behind the last piece it continues for one more diameter into the holder, so that
-/// balls need not fill the corner of a face that nothing meets.
+/// previous one ended. Behind the last piece, the solid continues for one more diameter into the holder.
+/// Otherwise balls would have to fill the edge of an end face that nothing touches.
 class ToolProfile final : public Solid {
  public:
-  /// @throws std::invalid_argument where pieces do not join, run forward, have a negative radius, an end off
-  ///   its sphere, or enclose nothing.
+  /// @throws std::invalid_argument if pieces do not join, lead forward, have a negative radius or an end that
+  ///   is not on its sphere, or enclose nothing.
   explicit ToolProfile(std::vector<ProfilePiece> pieces);
 
   /// The distance is exact inside and outside.
@@ -44,7 +44,7 @@ class ToolProfile final : public Solid {
 
   [[nodiscard]] const std::vector<ProfilePiece>& pieces() const { return pieces_; }
   [[nodiscard]] double length_m() const { return -pieces_.back().back_z_m; }
-  /// Radius at z, 0 beyond the ends; at a step the larger one.
+  /// Radius at z, 0 beyond the ends; at a step the larger radius.
   [[nodiscard]] double RadiusAt(double z_m) const;
 
   /// Evenly spread points of the pieces (a low-discrepancy sequence on each, and rings where they meet).

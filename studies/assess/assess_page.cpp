@@ -24,7 +24,8 @@ std::string AnglesText(const procedure::SurgicalPlan& plan, const Vector3& axis_
                      angles.anteversion_rad / kDegree, procedure::NameOf(plan.definition));
 }
 
-// Says how the cup's axis lies in the plan's cup_cone, as the end of a sentence; empty without a cup_cone.
+// Says where the cup's axis lies relative to the plan's cup_cone, as the end of a sentence. Empty if the plan
+// has no cup_cone.
 std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::Assessment& found) {
   const std::string place = CupConePlace(plan, found);
   const procedure::GuidanceGains::CupCone& cone = plan.guidance.cup_cone;
@@ -34,7 +35,7 @@ std::string CupConeText(const procedure::SurgicalPlan& plan, const procedure::As
                      cone.stop_rad / kDegree);
 }
 
-// Adds the summary's rows that only an opening has: axis, place, floor and roof.
+// Adds the rows that the summary has only for the plan of an opening: axis, place, floor and roof.
 void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment& found,
                 std::vector<report::SummaryRow>& rows) {
   const procedure::OpeningResult& opening = *found.opening;
@@ -50,7 +51,7 @@ void AddOpening(const procedure::SurgicalPlan& plan, const procedure::Assessment
                     fmt::format("{:.0f} % of it is open within the plan", 1e2 * *opening.unroofed)});
 }
 
-// Says how much of the bone that the plan would remove is still there, and why.
+// Says how much bone of the planned cavity is left, and why.
 std::string BoneLeftText(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const procedure::CavityResult& cavity = session.assessment.cavity;
@@ -122,7 +123,7 @@ std::string TableHead(std::initializer_list<const char*> names) {
   return html + "</tr></thead><tbody>\n";
 }
 
-// The table of all metrics with their points, then the published shifts and the deductions.
+// The table of all metrics with their points; below it the published shifts and the deductions.
 std::string ItemsTable(const AssessResult& result) {
   std::string html = TableHead({"figure", "value", "full points, none", "points", "experts here", "source"});
   for (const procedure::Metric& metric : procedure::Metrics()) {
@@ -132,7 +133,7 @@ std::string ItemsTable(const AssessResult& result) {
     });
     const bool has_norm = scored != result.score.items.end();
     const auto norm = result.norms.find(metric.name);
-    if (value == result.values.end() && !has_norm) continue;  // a metric of the other kind of plan
+    if (value == result.values.end() && !has_norm) continue;  // the metric belongs to the other kind of plan
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
         report::Escape(metric.text),
@@ -275,12 +276,14 @@ std::string Assumptions(procedure::PlanKind kind) {
       of_kind);
 }
 
-// The carved bone that can be turned, coloured by its distance from the planned cavity.
+// The carved bone as a picture that the reader can turn, coloured by the surface's distance from the planned
+// cavity.
 std::string CarvedBone(const AssessedSession& session) {
   const std::vector<simulation::ToolPath> paths = session.cut->paths();
   if (paths.empty()) return "";
   const procedure::PlannedCavity cavity = session.plan.plan.cavity();
-  constexpr std::size_t kMaxQuads = 60'000;  // half as many as for a run: the page should open on a phone
+  // half of the limit for a run's page, because this page should open on a phone
+  constexpr std::size_t kMaxQuads = 60'000;
   const report::CarvedSurface carved =
       report::CarveSurface({.bone = session.bone,
                             .solid = session.solid.get(),
@@ -293,7 +296,8 @@ std::string CarvedBone(const AssessedSession& session) {
       {.shows_deviation = true, .range_mm = DeviationScale_mm(session.plan.plan.kind)});
 }
 
-// The section of the page with the carved bone and the slices. An error: a picture could not be encoded.
+// The section of the page with the carved bone and the slices. Returns an error if a picture could not be
+// encoded.
 tl::expected<std::string, std::string> Pictures(const AssessedSession& session) {
   const std::string& target = session.plan.plan.target;
   std::string html =

@@ -10,10 +10,10 @@
 
 namespace osteon::studies {
 
-/// A metric's value as a person reads it, no finer than it is known: "14.2°", "1.29 mm", "98.4 %".
+/// Text of a metric's value, with as many digits as the metric is accurate to: "14.2°", "1.29 mm", "98.4 %".
 [[nodiscard]] std::string ValueText(double si, const procedure::Metric& metric);
 
-/// The name of a session in pages and tables, by its folder (NameOfFolder).
+/// The name of a session in pages and tables, which follows from its folder (NameOfFolder).
 [[nodiscard]] std::string NameOfSession(const AssessedSession& session);
 
 /// Writes the page of an assessment: score, sections, map, curves, items, trend, assumptions. The error names

@@ -17,11 +17,12 @@ using Color = std::array<std::uint8_t, 3>;
 
 constexpr Color kAir{255, 255, 255}, kBone{222, 205, 176}, kRemoved{244, 240, 232}, kOver{213, 94, 0},
     kUnder{0, 114, 178}, kOutline{27, 31, 36}, kNoBone{228, 232, 236}, kTarget{216, 150, 150};
-constexpr int kSlicePixels = 425;  // edge of a slice's picture
+constexpr int kSlicePixels = 425;  // width and height of a slice's picture [pixels]
 // The map of the deviation: cells along an edge, and pixels along a cell's edge.
 constexpr int kMapCells = 108, kCellPixels = 3, kMapPixels = kMapCells * kCellPixels;
 
-// Half the window of a slice, in radii of the planned cavity: an opening is deeper than it is wide.
+// Half the width of the region that a slice shows, in radii of the planned cavity. It is larger for an
+// opening, which is deeper than it is wide.
 double WindowRadii(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 1.7 : 3.5; }
 
 // For each pixel of a slice, row by row, whether it lies in one of the balls. The slice goes through
@@ -53,7 +54,7 @@ std::vector<bool> Filled(std::span<const simulation::Ball> balls, const Vector3&
 // The balls that were cut or removed, in their size before the cut. A session saves its bone's balls rounded,
 // so a ball that differs only by rounding does not count as cut.
 std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
-  constexpr double kKept_mm = 1e-2;  // a ball that lost less of its radius is not cut
+  constexpr double kKept_mm = 1e-2;  // a ball that lost less of its radius counts as uncut
   std::vector<simulation::Ball> touched;
   for (std::size_t i = 0; i < session.bone.balls.size() && 4 * i + 3 < session.state.balls.size(); ++i)
     if (session.state.balls[4 * i + 3] < 1e3 * session.bone.balls[i].radius_m - kKept_mm)
@@ -61,7 +62,8 @@ std::vector<simulation::Ball> TouchedBalls(const AssessedSession& session) {
   return touched;
 }
 
-// The target's tissue, as balls that cover its mass points' cells.
+// The target's tissue, as balls: one around each of its mass points, large enough to cover the point's
+// volume.
 std::vector<simulation::Ball> TargetPoints(const AssessedSession& session) {
   std::vector<simulation::Ball> balls;
   for (const simulation::MassPoint& point : session.bone.points)
@@ -118,7 +120,7 @@ report::Image DeviationImage(const AssessedSession& session) {
   const procedure::SurgicalPlan& plan = session.plan.plan;
   const Vector3& a = plan.axis_G;
   const Vector3 up = (plan.pelvis.superior - plan.pelvis.superior.dot(a) * a).normalized();
-  const Vector3 right = up.cross(a);  // seen against the axis, into the opening
+  const Vector3 right = up.cross(a);  // as seen when looking into the opening, against the axis
   std::vector<Vector3> directions;
   std::vector<std::array<int, 2>> cells;  // row and column
   const double half = 0.5 * kMapCells;
@@ -126,7 +128,8 @@ report::Image DeviationImage(const AssessedSession& session) {
     for (int column = 0; column < kMapCells; ++column) {
       const double x = (column + 0.5 - half) / half, y = (half - row - 0.5) / half, r2 = x * x + y * y;
       if (r2 > 1.0) continue;
-      // Lambert's equal-area map: the direction's height grows with the square of its radius on the map.
+      // Lambert's equal-area map: the component of the direction along -a is 1 - r², r being the radius on
+      // the map.
       const double across = std::sqrt(std::max(0.0, r2 * (2.0 - r2))), r = std::sqrt(r2);
       const Vector3 aside = r > 0.0 ? Vector3((x * right + y * up) / r) : Vector3::Zero();
       directions.push_back(across * aside - (1.0 - r2) * a);

@@ -18,13 +18,13 @@ struct CavityPicture {
 /// Slices through the planned centre: bone left, bone removed as planned, over-reamed, under-reamed, and the
 /// planned cavity's outline.
 ///
-/// A cup has a coronal and an axial slice, and a map of the planned hemisphere, seen from its opening: how
-/// much deeper (orange) or shallower (blue) than planned the bone begins. The map shows equal areas equally
-/// large, with the pole in the middle and superior up. An opening has two slices along its axis and one
-/// across it.
+/// A cup has a coronal and an axial slice, and a map of the planned hemisphere, seen from its opening. The
+/// map shows how much deeper (orange) or shallower (blue) than planned the remaining bone begins. It is an
+/// equal-area map with the pole in the middle; superior is up. An opening has two slices along its axis and
+/// one across the axis.
 [[nodiscard]] std::vector<CavityPicture> CavityPictures(const AssessedSession& session);
 
-/// The deviation from the plan that gets the full colour [mm].
+/// Deviation from the plan [mm] at which the map's colour is fully saturated.
 [[nodiscard]] double DeviationScale_mm(procedure::PlanKind kind);
 
 }  // namespace osteon::studies

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using procedure::CupDefinition;
 
-constexpr int kKeyWidth = 40;  // letters of the printed names' column
+constexpr int kKeyWidth = 40;  // width of the column of printed names [characters]
 
-// A vector's coordinates, times a scale that converts their unit.
+// A vector's three coordinates, multiplied by a scale that converts the unit.
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
 
 template <class T>
@@ -178,7 +178,7 @@ Json ScoreJson(const AssessResult& result) {
           {"deductions", deductions}};
 }
 
-// Below this share of an item's points the verdict warns of the item.
+// If an item gets less than this share of its points, the verdict warns of it.
 constexpr double kFairShare = 0.5;
 
 // Reads, measures and scores a session.
@@ -198,19 +198,19 @@ tl::expected<AssessResult, std::string> Measure(const fs::path& folder, const As
   return result;
 }
 
-// The metric's name as pages show it; an unknown metric's own name.
+// The metric's text as pages show it; for an unknown metric, its key.
 std::string TextOf(const std::string& metric) {
   for (const procedure::Metric& known : procedure::Metrics())
     if (metric == known.name) return known.text;
   return metric;
 }
 
-// Whether the session reaches the score, is finished and has whole recordings.
+// Whether the session's score is at least pass_at, the session is finished, and its recordings are complete.
 bool Passes(const AssessResult& result, double pass_at) {
   return result.score.total >= pass_at && result.unfinished.text.empty() && result.session.missing.empty();
 }
 
-// What a person should know of the session beyond its score, as faults and warnings.
+// Finds faults and warnings that a reader should know in addition to the score.
 session::Verdict Judge(const AssessResult& result, const std::optional<double>& pass_at) {
   session::Verdict verdict;
   if (!result.unfinished.text.empty())

@@ -23,7 +23,7 @@ namespace {
 constexpr double kPicturePx = 220.0, kPictureGapPx = 14.0, kPointsPx = 330.0, kHeadPx = 34.0, kFootPx = 34.0;
 constexpr double kSessionPx = 276.0, kBarPx = 130.0, kItemPx = 35.0, kScorePx = 26.0, kMarkPx = 18.0;
 constexpr double kWidthPx = kPointsPx + 3.0 * (kPicturePx + kPictureGapPx) + kPictureGapPx;
-constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px
+constexpr double kComparisonScale = 1.5;  // pixels of the PNG per px of the SVG
 
 // An SVG element of the picture with its upper left corner at (x, y).
 tl::expected<std::string, std::string> PictureAt(double x, double y, const report::Image& image) {
@@ -36,14 +36,15 @@ tl::expected<std::string, std::string> PictureAt(double x, double y, const repor
       report::Base64(*png));
 }
 
-// The items of a score from y down: for each scored item a bar as long as its share of the points.
+// The items of a score, drawn from the height y downwards. Each scored item has a bar whose length is its
+// share of the points.
 std::string Points(double y, const procedure::Score& score) {
   std::string svg;
   for (const procedure::ScoredItem& scored : score.items) {
     const procedure::Metric& metric = procedure::MetricNamed(scored.item.metric);
     const std::string value = scored.value ? ValueText(*scored.value, metric) : "not measured";
     svg += report::SvgText(kPictureGapPx, y + 11.0, report::Fit(metric.text, kPointsPx - kPictureGapPx));
-    if (scored.item.weight == 0.0) {  // shown, not scored
+    if (scored.item.weight == 0.0) {  // an item of weight 0 is shown, but not scored
       svg += report::SvgText(kPictureGapPx, y + 26.0, value + ", shown only", "start", report::kMutedColor);
       y += kItemPx;
       continue;
@@ -61,7 +62,7 @@ std::string Points(double y, const procedure::Score& score) {
   return svg;
 }
 
-// One session from y down: score and points at the left, its pictures at the right.
+// One session, drawn from the height y downwards: score and points at the left, pictures at the right.
 tl::expected<std::string, std::string> SessionSvg(double y, const AssessResult& result) {
   const AssessedSession& session = result.session;
   std::string svg =

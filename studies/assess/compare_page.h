@@ -12,8 +12,8 @@ namespace osteon::studies {
 /// The mark beside a session's score: "without guidance", "with guidance (gain 0.5), not finished".
 [[nodiscard]] std::string MarkOf(const AssessResult& result);
 
-/// Says why the scores of two sessions are not to be ranked: one was guided and the other was not, or one is
-/// not finished. Empty: they may be.
+/// Says why the scores of two sessions must not be ranked: only one of them was guided, or one is not
+/// finished. Empty if they may be ranked.
 [[nodiscard]] std::string WhyNotRanked(const AssessResult& first, const AssessResult& second);
 
 /// Draws two sessions of the same plan, one above the other: score, whether the session was guided, points,

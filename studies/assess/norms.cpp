@@ -10,7 +10,7 @@
 namespace osteon::studies {
 namespace {
 
-// Says why a session cannot be used for a norm; empty: it can.
+// Says why a session cannot be used for a norm; empty if it can be used.
 std::string WhyNoNorm(const AssessedSession& session, bool guided) {
   if (session.guided() != guided)
     return fmt::format(

@@ -23,8 +23,8 @@ using Norms = std::map<std::string, Norm>;
 
 /// Computes the medians of the metrics over sessions of a site's own experts.
 /// @param guided  whether the assessed session, which the medians are compared with, was guided
-/// @returns the medians; or an error that names a folder that cannot be read, whose session is not finished
-/// or not whole, or whose session was guided although the assessed one was not, or the other way round.
+/// @returns the medians; or an error that names a folder that cannot be used: it cannot be read, its session
+///   is not finished or incomplete, or exactly one of its session and the assessed session was guided.
 [[nodiscard]] tl::expected<Norms, std::string> ReadNorms(const std::vector<std::filesystem::path>& folders,
                                                          bool guided);
 

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using procedure::ProcessSums;
 
-constexpr double kNoStamp_s = -1.0;  // no tick was read yet
+constexpr double kNoStamp_s = -1.0;  // time stamp as long as no tick was read
 
 // The carved state of a bone of which nothing was removed.
 simulation::CarvedState Uncut(const simulation::Bone& bone) {
@@ -33,7 +33,7 @@ simulation::CarvedState Uncut(const simulation::Bone& bone) {
   return state;
 }
 
-// Sums up the recordings of a session, one after the other.
+// Computes sums and curves over the recordings of a session, which are read one after the other.
 class SessionSums {
  public:
   SessionSums(AssessedSession& session, const session::CellSetup& setup, double period_s)
@@ -55,7 +55,7 @@ class SessionSums {
     }
   }
 
-  // Begins a recording: its time follows that of the one before.
+  // Begins a recording. On the session's time axis, it follows the recording before.
   void Begin(const std::string& recording) {
     recording_ = recording;
     offset_s_ = last_s_ == kNoStamp_s ? 0.0 : last_s_ + period_s_;
@@ -137,8 +137,8 @@ class SessionSums {
     const session::SessionSegment& segment = session_.file.segments[static_cast<std::size_t>(pass.segment)];
     return segment.recording == recording_ && stamp >= pass.begin && stamp <= pass.end;
   }
-  // Names the passes that count and whose removed volume is not in the recordings: a recording may be torn,
-  // missing, or that of another session.
+  // Names the counted passes whose recordings contain less than the removed volume: a recording may be
+  // truncated, missing, or belong to another session.
   [[nodiscard]] std::string Missing() const {
     constexpr double kShare = 0.01, kLittle_mm3 = 1.0;  // accepted difference: 1 % and 1 mm³
     std::string text;
@@ -151,7 +151,7 @@ class SessionSums {
     }
     return text;
   }
-  // The tool in use at a time: that of this recording's last segment that has begun by then.
+  // The tool in use at a time: that of the last segment of this recording that has begun by this time.
   [[nodiscard]] int ToolAt(rt::Nanoseconds stamp) const {
     int tool = 0;
     bool found = false;
@@ -165,7 +165,7 @@ class SessionSums {
   [[nodiscard]] double RadiusOf(int tool) const {
     return 0.5e-3 * session_.file.diameters_mm[static_cast<std::size_t>(tool)];
   }
-  // Adds a point to the curves, if the last one is kTraceStep_s old.
+  // Adds a point to the curves, if the last point is at least kTraceStep_s old.
   void Trace(const procedure::ProcessSample& sample, const Vector3& feed,
              const procedure::PlannedTool& reamer) {
     SessionTrace& trace = session_.trace;
@@ -190,7 +190,7 @@ class SessionSums {
   double period_s_;
   ProcessSums total_;
   std::vector<ProcessSums> tools_, passes_;
-  std::vector<double> removed_mm3_;  // volume that each pass removed, by the recordings
+  std::vector<double> removed_mm3_;  // volume that each pass removed, according to the recordings
   session::WallWatch walls_;
   procedure::ReamedAxis axis_;
   int last_tool_{0};
@@ -200,16 +200,17 @@ class SessionSums {
   bool cutting_{false};
   Vector3 proxy_m_{Vector3::Zero()}, proxy_feed_{Vector3::Zero()};  ///< simulated head in the last frame
   session::CutDetector cut_;
-  double spindle_rad_per_s_{0.0};  // of the last tick
+  double spindle_rad_per_s_{0.0};  // spindle speed in the last tick
 };
 
-// The first recording that has begun.
+// The first recording that has begun; if none has, the recording of the first segment.
 std::string FirstRecording(const AssessedSession& session) {
   const std::vector<std::string> begun = session::BegunRecordings(session.file, session.folder);
   return begun.empty() ? session.file.segments.front().recording : begun.front();
 }
 
-// The cutting heads of the plan's reamers: each a ball, half its diameter behind T's origin.
+// The cutting heads of the plan's reamers. Each is a ball whose centre is half its diameter behind T's
+// origin.
 std::vector<simulation::Tool> CuttingHeads(const std::vector<double>& diameters_mm) {
   std::vector<simulation::Tool> heads;
   for (const double diameter_mm : diameters_mm) {

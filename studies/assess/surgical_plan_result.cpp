@@ -26,11 +26,12 @@ using procedure::CupDefinition;
 using procedure::SurgicalPlan;
 
 constexpr double kLandmarkNoise_m = 2e-3;  // standard deviation of a palpated landmark's coordinate
-constexpr double kWallsPerRadius = 12.5;   // samples of the surface per opening's radius, to find the wall
+// surface samples per radius of the opening, for the search of the thinnest wall
+constexpr double kWallsPerRadius = 12.5;
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
 
-// A vector's coordinates, times a scale that converts their unit.
+// A vector's three coordinates, multiplied by a scale that converts the unit.
 Json Triple(const Vector3& v, double scale = 1.0) { return {scale * v.x(), scale * v.y(), scale * v.z()}; }
 
 Json AnglesJson(const CupAngles& angles) {
@@ -38,16 +39,17 @@ Json AnglesJson(const CupAngles& angles) {
           {"anteversion_deg", angles.anteversion_rad / kDegree}};
 }
 
-// Number of cells per radius for the planned volume. An opening gets fewer: it is mostly inside a solid made
-// from a mesh, where a distance takes longer.
+// Number of cells per radius for measuring the planned volume. An opening gets fewer cells: it usually lies
+// in a solid that is made from a mesh, where distance queries take longer.
 double CellsPerRadius(procedure::PlanKind kind) { return kind == procedure::PlanKind::kCup ? 50.0 : 25.0; }
 
 // Figures that are measured for the plan, in addition to its own data.
 struct PlanFigures {
-  std::optional<double> planned_volume_m3{};  // nothing: the plan is for a mesh, and no mesh was named
-  std::vector<double> tool_volumes_m3{};      // removed by each tool after the earlier ones; empty: not known
-  std::optional<double> wall_m{};             // thinnest wall that the cavity leaves; nothing: not known
-  std::optional<Vector3> axis_W{};            // the plan's axis in the cell; nothing: no cell was named
+  std::optional<double> planned_volume_m3{};  // empty: the plan is for a mesh, and no mesh was given
+  // volume that each tool removes after the earlier tools; empty: not known
+  std::vector<double> tool_volumes_m3{};
+  std::optional<double> wall_m{};   // thinnest wall of bone that the cavity leaves; empty: not known
+  std::optional<Vector3> axis_W{};  // the plan's axis in the cell's world; empty: no cell was given
   std::vector<std::string> warnings;
 };
 
@@ -74,8 +76,8 @@ std::vector<double> ToolVolumes(const SurgicalPlan& plan, const session::CellSet
   return volumes_m3;
 }
 
-// Measures the plan's volumes and its thinnest wall. Without a solid, the volumes are sums of the packing's
-// mass points, and there is no wall.
+// Measures the plan's volumes and its thinnest wall. Without a solid, the volumes are sums over the packing's
+// mass points, and the wall is not measured.
 tl::expected<PlanFigures, std::string> Measure(const config::SurgicalPlanConfig& config,
                                                std::optional<session::MeshChoice> mesh) {
   PlanFigures figures{.warnings = procedure::WarningsOf(config.plan)};

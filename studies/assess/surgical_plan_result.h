@@ -11,13 +11,14 @@ namespace osteon::studies {
 /// Options of `osteon surgical-plan`.
 struct SurgicalPlanOptions {
   std::filesystem::path plan;                 ///< file of the plan
-  std::filesystem::path cell;                 ///< the plan is also checked against this cell; empty: none
-  std::optional<session::MeshChoice> mesh{};  ///< mesh of a plan that states only the cup in a mesh
-  std::filesystem::path json;                 ///< a copy of the result; empty: none
+  std::filesystem::path cell;                 ///< cell against which the plan is checked, too; empty: none
+  std::optional<session::MeshChoice> mesh{};  ///< mesh for a plan that only states where the cup is in a mesh
+  std::filesystem::path json;                 ///< file for a copy of the result; empty: none
 };
 
-/// Runs the subcommand `surgical-plan`: checks a plan, and prints its axis in all definitions, its volume and
-/// the wall that it leaves. JSON: schema osteon.surgical_plan/1. @returns the process's exit code.
+/// Runs the subcommand `surgical-plan`: checks a plan, and prints its axis by all definitions, its volume,
+/// and the thinnest wall of bone that it leaves. JSON: schema osteon.surgical_plan/1. @returns the process's
+/// exit code.
 /// @throws config::ConfigError
 [[nodiscard]] int RunSurgicalPlan(const SurgicalPlanOptions& options);
 

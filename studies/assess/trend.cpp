@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder of this name is called by the folder that it lies in.
+// A folder of this name gets the name of the folder that contains it (NameOfFolder).
 constexpr const char* kInnerFolder = "session";
 
 // The absolute path, without links and without a slash at its end.
@@ -28,7 +28,7 @@ fs::path WholePath(const fs::path& folder) {
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
-// Reads digits from position `at` on, and moves `at` behind them. Returns them without leading zeros.
+// Reads digits from position `at` on, and moves `at` past them. Returns the digits without leading zeros.
 std::string TakeNumber(const std::string& text, std::size_t& at) {
   while (at < text.size() && text[at] == '0') ++at;
   const std::size_t begin = at;
@@ -36,7 +36,7 @@ std::string TakeNumber(const std::string& text, std::size_t& at) {
   return text.substr(begin, at - begin);
 }
 
-// Compares names letter by letter, and as numbers where both have digits: session_2 before session_10.
+// Compares names character by character, but runs of digits as numbers: session_2 comes before session_10.
 bool NaturalLess(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -52,7 +52,8 @@ bool NaturalLess(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-// Reads the result in a folder; the error says what was found there instead.
+// Reads the result in a folder. The error says what was found there instead of a result of this plan and
+// rubric.
 tl::expected<TrendPoint, std::string> PointOf(const fs::path& folder, const AssessResult& result) {
   std::ifstream stream(folder / kResultName);
   if (!stream)

@@ -22,23 +22,24 @@ struct TrendPoint {
   std::string began{};  ///< UTC, "2026-11-29T09:30:00Z"; empty: not known
   double score{0.0};
   bool guided{false};
-  std::optional<bool> finished{};  ///< nothing: an older result does not say
+  std::optional<bool> finished{};  ///< empty: an older result does not say whether the session was finished
 };
 
-/// Results of one plan by one rubric, this session's included, in the order in which the sessions began. If
-/// the beginning of any session is not known, all are sorted by their folders' names, session_2 before
-/// session_10.
+/// Results of one plan by one rubric, including this session's, in the order in which the sessions began. If
+/// the start time of any session is not known, all are sorted by their folders' names instead, session_2
+/// before session_10.
 struct Trend {
   std::vector<TrendPoint> points{};
-  bool by_time{false};  ///< sorted by the beginnings; false: by the folders' names
+  bool by_time{false};  ///< true: sorted by start time; false: by the folders' names
 };
 
 /// The name of a session in pages and tables: that of its folder, or of the folder above if the folder is
 /// only called "session".
 [[nodiscard]] std::string NameOfFolder(const std::filesystem::path& folder);
 
-/// Finds the results beside a session: in the folders beside its own, and in their folders "session". A
-/// folder that is itself called "session", as the demo writes it, counts as the folder that it lies in.
+/// Finds the results of other sessions: in the folders next to this session's folder, and in subfolders
+/// "session" of these. A session's folder that is called "session", as the demo names it, is represented by
+/// the folder that contains it.
 /// @param named  folders of further sessions
 /// @returns the trend; or an error that names one of the `named` folders that has no result of this plan and
 /// rubric.

@@ -34,10 +34,11 @@
 namespace osteon::studies {
 namespace {
 
-constexpr int kPages = 8;                        // of the leg kEight
-constexpr std::chrono::milliseconds kLooks{50};  // time between two looks whether the demo has ended
-constexpr int kLooksToAsk = 20;                  // looks from one question for the drawn figures to the next
-constexpr double kMaxLatency_ms = 100.0;         // from a tick to its drawn figure: the limit of console.md
+constexpr int kPages = 8;                        // number of pages in the leg kEight
+constexpr std::chrono::milliseconds kLooks{50};  // time between two polls whether the demo has ended
+constexpr int kLooksToAsk = 20;                  // polls between two requests for the drawing latency
+// longest time from a tick to its drawn figure, as console.md states it
+constexpr double kMaxLatency_ms = 100.0;
 
 // The demos of a round, in turn; their names are in kLegs.
 enum class Leg : std::uint8_t { kOff, kIdle, kEight, kPage, kBusy, kBrowser };
@@ -52,7 +53,7 @@ constexpr std::array<Figure, 4> kFigures{
     Figure{"compute_us", "p50", "tick compute p50"}, Figure{"compute_us", "p99", "tick compute p99"},
     Figure{"wakeup_us", "p99", "tick wake-up p99"}, Figure{"frame_us", "p50", "frame p50"}};
 
-// How the carved bone reached a page, between the first change of the cut and the last one.
+// How often and how late the carved bone reached a page, between the first and the last change of the cut.
 struct BoneFigures {
   double mesh_per_s{0.0}, whole_per_s{0.0}, longest_gap_ms{0.0}, age_ms_p50{0.0}, age_ms_p95{0.0};
 };
@@ -68,15 +69,15 @@ constexpr std::array<BoneFigure, 5> kBoneFigures{
     BoneFigure{"age_ms_p50", "bone: age p50", "ms", &BoneFigures::age_ms_p50},
     BoneFigure{"age_ms_p95", "bone: age p95", "ms", &BoneFigures::age_ms_p95}};
 
-// A demo's summary (null if the demo failed), and how its bone reached a page.
+// Result of one demo: its summary (null if the demo failed), and figures of the bone that reached a page.
 struct DemoFigures {
   nlohmann::json summary{};
   std::optional<BoneFigures> bone{};
-  std::string without_page{};                       // why a page did not open; such a leg says nothing
-  std::optional<double> received_ms{}, drawn_ms{};  // medians, from the tick
+  std::string without_page{};  // reason why a page did not open; the leg then has no result
+  std::optional<double> received_ms{}, drawn_ms{};  // medians of the time since the tick
 };
 
-// The median time from a tick until a browser's page has drawn it, as the demo's console has it now.
+// Asks the demo's console for the present median of the time from a tick until a browser's page has drawn it.
 std::optional<double> AskDrawn(pid_t demo) {
   for (const std::filesystem::path& socket : io::FindLocalServers()) {
     if (socket.stem() != fmt::format("run-{}", demo)) continue;
@@ -109,7 +110,8 @@ class BusyCores {
   std::vector<std::thread> threads_;
 };
 
-// The figures of the bone that a page received. Its first whole change is the uncut bone, and is left out.
+// Computes the figures of the bone that a page received. The first complete surface is the uncut bone, and is
+// left out.
 BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
   BoneFigures figures;
   if (bone.whole_s.size() < 3) return figures;
@@ -130,7 +132,8 @@ BoneFigures FiguresOf(const console::PageClient::Bone& bone) {
 DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path json = folder / "summary.json", err = folder / "err.txt";
-  for (const auto& earlier : {json, err})  // the port of an earlier demo would be taken for this demo's
+  for (const auto& earlier :
+       {json, err})  // remove old files: otherwise the port of an earlier demo would be used
     std::filesystem::remove(earlier, error);
   auto demo =
       base::ChildProcess::Start({.words = {"demo", "--seconds", fmt::format("{:g}", options.seconds), "--out",
@@ -146,7 +149,7 @@ DemoFigures RunDemoWith(Leg leg, const BenchConsoleOptions& options, const std::
   std::unique_ptr<base::ChildProcess> browser;
   if (const int port = leg == Leg::kOff ? 0 : AwaitConsolePort(**demo, err); port > 0) {
     const int count = leg == Leg::kEight ? kPages : leg == Leg::kPage || leg == Leg::kBusy ? 1 : 0;
-    for (int i = 0; i < count; ++i)  // the last of several pages does not read
+    for (int i = 0; i < count; ++i)  // if there are several pages, the last one does not read
       if (auto page = console::PageClient::Open("127.0.0.1", port, i + 1 < kPages))
         pages.push_back(std::move(*page));
       else

@@ -22,10 +22,11 @@ struct BenchConsoleOptions {
 /// it is then, and the time from a tick until a page without a browser has received the tick's figures, and
 /// until the browser has drawn them.
 ///
-/// With `reloads`, a page is loaded and left that many times during one demo, every third time as if it were
-/// killed. The demo must have no fault from this, and keep no descriptors, threads or memory afterwards.
-/// @returns the process's exit code: 0; 1 a demo failed, reloads left something, or the figures can't be
-/// written; 130 ended by Ctrl-C.
+/// If `reloads` is above 0, a page is instead loaded and left that many times during one demo, every third
+/// time as if it were killed. This must cause no fault in the demo, and leave no descriptors, threads or
+/// memory.
+/// @returns the process's exit code: 0; 1 if a demo failed, reloads left resources, or the figures can't be
+///   written; 130 if ended by Ctrl-C.
 [[nodiscard]] int RunBenchConsole(const BenchConsoleOptions& options);
 
 }  // namespace osteon::studies

@@ -45,14 +45,15 @@ nlohmann::json TimingJson(const FrameTiming& timing) {
 std::string EngineOfMethod(const std::string& method) { return method == "ours" ? "vulkan" : method; }
 std::string MethodOfEngine(const std::string& engine) { return engine == "vulkan" ? "ours" : engine; }
 
-// "AVX-512" of the CPU engine's "one thread, AVX-512"; nothing for other methods.
+// The instruction set of the CPU engine: "AVX-512" from its description "one thread, AVX-512"; null for other
+// methods.
 nlohmann::json InstructionSetJson(const FrameTiming& timing) {
   const std::size_t comma = timing.device.rfind(", ");
   if (timing.method != "cpu" || comma == std::string::npos) return nullptr;
   return timing.device.substr(comma + 2);
 }
 
-// Lowest and highest ratio of the rounds.
+// Lowest and highest ratio among the rounds.
 nlohmann::json RangeJson(const RoundRange& range) { return {range.low, range.high}; }
 
 // A named workload of `--workloads`, or the one that the other options describe.
@@ -96,8 +97,8 @@ std::string CompareError(const BenchFrameOptions& options) {
   return {};
 }
 
-// A workload's figures for each method. Each method is compared with the first one and with the last of the
-// first `engines` methods, which are engines.
+// A workload's figures for each method. The first `engines` methods are engines. Each method is compared with
+// the first method and with the last of the engines.
 class WorkloadFigures {
  public:
   WorkloadFigures(const RoundWorkload& workload, const WantedWorkload& wanted, const WorkloadRounds& rounds,
@@ -204,7 +205,7 @@ int PhaseCount(const std::vector<std::string>& methods, std::size_t workloads, s
   return static_cast<int>(workloads * (1 + (shared ? 1 : 0) + own + rounds + passes));
 }
 
-// Runs the subcommand, except that it throws where an option is not accepted.
+// Runs the subcommand, except that it throws if an option is not accepted.
 int Run(const BenchFrameOptions& options) {
   if (const std::string wrong = CompareError(options); !wrong.empty())
     return session::Fail("bench frame", wrong);

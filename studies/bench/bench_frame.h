@@ -14,7 +14,7 @@ struct BenchFrameOptions {
   std::filesystem::path config_root;
   std::string scene{"acetabulum"};  ///< or "molar", which is timed with its recorded motion and burr
   std::size_t spheres{0};           ///< 0: the scene's own packing
-  bool uniform{false};              ///< balls of one size in the whole bone, not fine in the cut zone alone
+  bool uniform{false};  ///< true: the same fineness in the whole bone; false: fine only in the cut zone
   std::size_t tool_spheres{1};
   std::string method{"ours"};
   std::vector<std::string> compare{};  ///< further methods, timed in the same run; empty: none
@@ -25,8 +25,8 @@ struct BenchFrameOptions {
   std::vector<std::string> workloads{};
   std::size_t rounds{1};  ///< number of rounds over all workloads
   std::string device{};
-  std::size_t frames{2000};  ///< timed per round and workload
-  double max_seconds{60.0};  ///< of timing per round and workload
+  std::size_t frames{2000};  ///< number of frames timed per round and workload
+  double max_seconds{60.0};  ///< time limit of the timing per round and workload
   double voxel_mm{0.25};
   std::filesystem::path json{};
 };
@@ -36,7 +36,7 @@ struct BenchFrameOptions {
 [[nodiscard]] simulation::FrameWorkload MakeBenchWorkload(const BenchFrameOptions& options);
 
 /// Times the workloads' frames and prints the figures.
-/// @returns the process's exit code: 0; 1 if it can't run here; 2 bad input; 130 ended by Ctrl-C.
+/// @returns the process's exit code: 0; 1 if it can't run here; 2 for bad input; 130 if ended by Ctrl-C.
 [[nodiscard]] int RunBenchFrame(const BenchFrameOptions& options);
 
 /// Peak memory of this process so far [MB].

@@ -41,8 +41,9 @@ using Clock = std::chrono::steady_clock;
 using kinematics::ChainParams;
 using kinematics::JointVectorN;
 
-constexpr std::size_t kPostures = 256;   // used by the calls in turn, all within the limits
-constexpr std::size_t kBatches = 51;     // for each function; the median of them is reported
+// number of postures that the calls use in turn; all are within the joint limits
+constexpr std::size_t kPostures = 256;
+constexpr std::size_t kBatches = 51;     // batches for each function; the median over the batches is reported
 constexpr std::size_t kSlowShare = 100;  // KDL's numerical inverse gets 1 / kSlowShare of the calls
 
 // One of our functions and KDL's counterpart. Each call takes the number of a posture and returns part of its
@@ -155,8 +156,8 @@ struct Workload {
   KDL::JntSpaceInertiaMatrix M{N};
 };
 
-// Forward kinematics and Jacobian. Our Jacobian computes the flange's pose as well, so it also stands for
-// both.
+// Pairings for forward kinematics and Jacobian. Our Jacobian function also computes the flange's pose, so it
+// is also compared with both KDL functions together.
 template <int N>
 std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work) {
   Workload<N>& w = *work;
@@ -180,7 +181,7 @@ std::vector<Pairing> KinematicsPairings(const std::shared_ptr<Workload<N>>& work
            Batch([fk, jacobian](std::size_t n) { return fk(n) + jacobian(n); })}};
 }
 
-// Inverse dynamics, mass matrix and forward dynamics.
+// Pairings for inverse dynamics, mass matrix and forward dynamics.
 template <int N>
 std::vector<Pairing> DynamicsPairings(const std::shared_ptr<Workload<N>>& work) {
   Workload<N>& w = *work;
@@ -240,7 +241,8 @@ std::optional<Pairing> ClosedForm(const config::RobotModel& model, const std::sh
       });
 }
 
-// Counts heap calls and locks of all our functions in a hundred calls each; nothing if they can't be counted.
+// Counts the heap calls and locks in a hundred calls of each of our functions; nothing if this build can't
+// count them.
 std::optional<int> CountAllocations(const std::vector<Pairing>& pairings) {
   int calls = 0;
   for (const Pairing& pairing : pairings) {
@@ -269,7 +271,7 @@ void Time(std::vector<Pairing>& pairings, std::size_t calls) {
   }
 }
 
-// Lists the pairs of functions. The measured chain is that of the bare arm.
+// Lists the pairs of functions. They are measured on the chain of the arm without a tool.
 template <int N>
 std::vector<Pairing> PairingsOf(const config::RobotModel& model, const ChainParams<N>& params) {
   const auto work = std::make_shared<Workload<N>>(params);
@@ -310,7 +312,7 @@ nlohmann::json Json(const std::vector<Pairing>& pairings) {
   return json;
 }
 
-// Runs the subcommand, except that it throws where the input is bad.
+// Runs the subcommand, except that it throws if the input is bad.
 int Run(const BenchKinematicsOptions& options) {
   const std::filesystem::path file =
       options.robot.empty() ? options.config_root / "robots" / "lbr_iiwa_14_r820.yaml" : options.robot;

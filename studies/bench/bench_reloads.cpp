@@ -24,7 +24,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kLongest_s = 3600.0;       // longest duration of the demo, which is ended after the reloads
-constexpr std::chrono::seconds kEnds{120};  // longest time in which the demo ends after SIGINT
+constexpr std::chrono::seconds kEnds{120};  // longest wait for the demo's end after SIGINT
 constexpr int kTellEvery = 100;             // reloads from one line of progress to the next
 
 nlohmann::json JsonOf(const ProcessHolds& holds) {

@@ -35,8 +35,8 @@ constexpr rt::Nanoseconds kPoll = 50'000;                   // from one poll for
 constexpr rt::Nanoseconds kUdpPatience = 30 * rt::kSecond;  // longest wait until the engine's process listens
 constexpr int kWarmUp = 200;                                // ticks of a round that do not count
 constexpr rt::Nanoseconds kModelPollInterval = 10'000;      // from one poll for a model to the next
-constexpr rt::Nanoseconds kLeftForTick = 50'000;            // before a tick, in which there is no poll
-constexpr double kPressed_m = 1e-3;                         // the head's depth beyond the cup's floor
+constexpr rt::Nanoseconds kLeftForTick = 50'000;            // time before a tick in which there is no poll
+constexpr double kPressed_m = 1e-3;                         // depth of the head below the cup's floor
 constexpr double kDrift_m_per_s = 1e-4;                     // motion along x, so that no two poses are alike
 
 double Microseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
@@ -92,16 +92,16 @@ Pose PressedPose(const session::CellSetup& setup) {
   return X_WT;
 }
 
-// One value for each tick that counts.
+// Measured times: one value for each tick that counts.
 struct Times {
-  std::vector<double> age_us;   ///< age of the model that a tick takes
+  std::vector<double> age_us;   ///< age of the contact model that a tick uses
   std::vector<double> back_us;  ///< time from a tick's command until its model can be taken
 };
 
-// Ticks at 1 kHz, and polls for the model between the ticks.
+// Runs ticks at 1 kHz, and polls for the contact model between the ticks.
 Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
   Times times;
-  std::thread loop([&] {  // a thread, so that the process does not keep the real-time priority
+  std::thread loop([&] {  // in a thread of its own, so that the real-time priority ends with it
     rt::SetUpRealtimeThread({.priority = 80});
     rt::Nanoseconds next = rt::MonotonicNow();
     for (int tick = -kWarmUp; tick < ticks && !base::Interrupted().load(); ++tick) {
@@ -124,7 +124,8 @@ Times Tick(control::SimulationPort& port, const Pose& X_WT, double spindle_rad_p
   return times;
 }
 
-// Ticks as Tick does, with an engine in another process: a thread receives its models meanwhile.
+// Runs ticks as Tick does, with an engine in another process. A thread receives the engine's models
+// meanwhile.
 Times TickRemote(session::RemoteEngine& engine, const Pose& X_WT, double spindle_rad_per_s, int ticks) {
   std::atomic<bool> stop{false};
   std::thread receiver([&] {

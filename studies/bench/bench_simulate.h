@@ -15,11 +15,11 @@ struct BenchSimulateOptions {
   std::filesystem::path json{};
 };
 
-/// Measures how old the contact model is in each tick of a loop at 1 kHz, and how long it takes until the
-/// model of a tick's command can be taken. It compares three connections in turn, with the same bone, tool
-/// and poses: the engine as a thread of this process, in a process of its own by shared memory, and in a
-/// process of its own by UDP on the loopback.
-/// @returns the process's exit code: 0; 1 if an engine could not be made; 130 ended by Ctrl-C.
+/// Measures the age of the contact model in each tick of a loop at 1 kHz, and the time from a tick's command
+/// until the contact model for this command is available. It compares three connections in turn, with the
+/// same bone, tool and poses: the engine as a thread of this process, in a process of its own by shared
+/// memory, and in a process of its own by UDP on the loopback.
+/// @returns the process's exit code: 0; 1 if an engine could not be made; 130 if ended by Ctrl-C.
 [[nodiscard]] int RunBenchSimulate(const BenchSimulateOptions& options);
 
 }  // namespace osteon::studies

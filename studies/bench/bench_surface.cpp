@@ -27,7 +27,7 @@
 namespace osteon::studies {
 namespace {
 
-/// Figures of one bone at one voxel.
+/// Figures of one bone at one voxel size.
 struct SurfaceTimes {
   std::string cell;
   double voxel_mm{0.0}, build_s{0.0}, first_mesh_s{0.0};
@@ -126,7 +126,7 @@ nlohmann::ordered_json Json(SurfaceTimes& t) {
           {"chunk_kB", base::Median(t.chunk_kb)}};
 }
 
-/// Runs the subcommand, except that it throws where the input is bad.
+/// Runs the subcommand, except that it throws if the input is bad.
 int Run(const BenchSurfaceOptions& options) {
   base::InstallInterrupt();
   nlohmann::ordered_json json{{"schema", "osteon.bench.surface/1"},

@@ -11,14 +11,17 @@ namespace osteon::studies {
 struct BenchSurfaceOptions {
   std::filesystem::path config_root;
   std::vector<std::string> cells{"demo", "molar"};  ///< names under cells/
-  std::vector<double> voxels_mm{};                  ///< empty: 2, 1 and 0.5 times the tool's (VoxelFor)
-  std::size_t frames{1600};                         ///< of the cut; 16 frames are a step
+  /// Voxel sizes; empty: 2, 1 and 0.5 times the size for the tool (VoxelFor)
+  std::vector<double> voxels_mm{};
+  std::size_t frames{1600};  ///< of the cut; 16 frames are a step
   std::filesystem::path json{};
 };
 
-/// Times the carved surface: how long the start takes, and how long it takes to carve, extract and pack each
-/// step of 16 frames for a page. The tool circles 1 mm off the site's axis and is fed in by 5 um per frame.
-/// @returns the process's exit code: 0; 1 if the figures can't be written; 2 bad input; 130 ended by Ctrl-C.
+/// Measures the times of the carved surface: the time of the start, and the times to carve, to extract and to
+/// pack (for a page) each step of 16 frames. The tool circles 1 mm off the site's axis and is fed in by 5 um
+/// per frame.
+/// @returns the process's exit code: 0; 1 if the figures can't be written; 2 for bad input; 130 if ended by
+///   Ctrl-C.
 [[nodiscard]] int RunBenchSurface(const BenchSurfaceOptions& options);
 
 }  // namespace osteon::studies

@@ -50,8 +50,8 @@ int Write(const std::filesystem::path& file, const nlohmann::ordered_json& json)
   return written ? 0 : session::Fail("bench tick", written.error(), session::kFailed);
 }
 
-// Times the whole tick at each level in turn, and prints and writes the figures. The levels are the parts
-// that may give way or, with a plan, no guidance, guidance at gain 0 and guidance as planned.
+// Times the whole tick at each level in turn, and prints and writes the figures. The levels are those of
+// compliance (LevelsOf) or, if a plan is given: no guidance, guidance at gain 0, and guidance as planned.
 int RunLevels(const BenchTickOptions& options) {
   const bool guidance = !options.plan.empty();
   const std::vector<LevelCost> levels = guidance
@@ -91,7 +91,7 @@ int RunLevels(const BenchTickOptions& options) {
                               {"machine", machine}});
 }
 
-// Runs the subcommand, except that it throws where it fails.
+// Runs the subcommand, except that it throws if it fails.
 int Run(const BenchTickOptions& options) {
   base::InstallInterrupt();
   if (options.compliance || !options.plan.empty()) return RunLevels(options);

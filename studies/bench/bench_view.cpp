@@ -32,9 +32,10 @@ namespace {
 
 using ViewClock = std::chrono::steady_clock;
 constexpr std::chrono::minutes kViewPatience{20};  // longest wait for anything to be shown
-// A tick or bone this near to the asked time counts as shown: a window of the feed has 30 ms.
+// A tick or a bone within this time of the requested one counts as shown: a window of the feed covers 30 ms.
 constexpr double kTickNear_s = 0.05;
-constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;  // length and windows of the page's charts
+// length of the page's charts, and number of windows per second from which they count as complete
+constexpr double kStrip_s = 30.0, kMinWindowsPerSecond = 20.0;
 
 double SecondsSince(ViewClock::time_point begun) {
   return std::chrono::duration<double>(ViewClock::now() - begun).count();
@@ -130,11 +131,11 @@ int RunBenchView(const BenchViewOptions& options) {
   session::Playback playback(std::move(*timeline), feed);
   const session::RecordingScan scan(file);
   session::ViewSurface bone(file, *setup, std::move(*cut), chunks);
-  // Whether the feed's newest tick is that of a time.
+  // Whether the feed's newest tick is near a time.
   const auto shows_tick = [&](double at_s) {
     return std::abs(rt::ToSeconds(feed.Newest().tick.stamp) - start_s - at_s) < kTickNear_s;
   };
-  // Whether the page's charts before this time are complete as well.
+  // Whether the page's charts before a time are complete.
   const auto shows_before = [&](double at_s) {
     return shows_tick(at_s) &&
            static_cast<double>(feed.Newest().number) >= kMinWindowsPerSecond * std::min(at_s, kStrip_s);

@@ -15,8 +15,8 @@ struct BenchViewOptions {
 };
 
 /// Repeats a recording until it is `hours` long, opens it as `osteon view` does, and measures three times:
-/// until ticks and bone are there, until the bone's key states are complete, and for seeks to places all over
-/// the recording, each until its tick and its bone are shown.
+/// the time until ticks and bone are shown, the time until the bone's key states are complete, and the time
+/// of seeks all over the recording, each until its tick and its bone are shown.
 /// @returns the process's exit code: 0; 1 if a file could not be written, or one of these never happened; 2
 /// bad input.
 [[nodiscard]] int RunBenchView(const BenchViewOptions& options);

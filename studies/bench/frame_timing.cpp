@@ -21,11 +21,11 @@ using simulation::CuttingEngine;
 using simulation::FrameWorkload;
 using simulation::WorkloadPlayer;
 
-// Frames that are timed even beyond the time limit.
+// Smallest number of timed frames, even if they take longer than the time limit.
 constexpr std::size_t kMinFrames = 20;
 
-// Frames that are not timed, since a restored engine makes its neighbour lists anew in the first frame. They
-// end early after kMaxWarmUp_s.
+// Number of first frames that are not timed, since a restored engine makes its neighbour lists anew in the
+// first frame. The warm-up ends early after kMaxWarmUp_s.
 constexpr std::size_t kWarmUpFrames = 20;
 constexpr double kMaxWarmUp_s = 0.5;
 

@@ -11,15 +11,16 @@
 
 namespace osteon::studies {
 
-/// A level of compliance: which parts of a timed cell give way, with a name.
+/// A level of compliance, which says which parts of a timed cell yield, with a name.
 struct NamedLevels {
   std::string name;
   control::ComplianceParams params;
 };
 
-/// Returns the levels off, tool, layer, mount and all for the demo's cell: its reamer bends, its cartilage
-/// yields, and the bone is on a mount of 12 kg and 10 Hz that is 80 mm below the cup.
-/// @throws std::invalid_argument if the cell's tool or scene does not say how it gives way.
+/// Returns the levels "off", "tool", "layer", "mount" and "all" for the demo's cell. With "tool" the reamer
+/// bends, with "layer" the cartilage yields, and with "mount" the bone is on a mount of 12 kg and 10 Hz, 80
+/// mm below the cup.
+/// @throws std::invalid_argument if the cell's tool or scene does not define its compliance.
 [[nodiscard]] std::vector<NamedLevels> LevelsOf(const config::CellConfig& cell);
 
 /// The times of a tick with one level of compliance.

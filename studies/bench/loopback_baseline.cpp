@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
 
-// A socket on a free port of the loopback.
+// Opens a socket on a free port of the loopback interface.
 io::BoundUdp Bind() {
   const auto bound = io::BindUdp("bare exchange", kLoopback, 0);
   if (!bound) throw std::runtime_error(bound.error());

@@ -9,7 +9,8 @@
 namespace osteon::studies {
 
 /// Measures the kernel's own time for a tick's datagrams over loopback: one call receives a message that has
-/// arrived, and one sends an answer, with nothing between them. No loop on this machine can be faster.
+/// already arrived, and one call sends an answer, with no work between them. No servo loop on this machine
+/// can be faster than this.
 class LoopbackBaseline {
  public:
   /// @throws std::runtime_error if a socket can't be opened.

@@ -21,7 +21,8 @@ namespace osteon::studies {
 /// "voxel-128", "voxel-256", "voxel-512": the method "voxel" with that number of voxels along the longest
 /// side of the solid's box.
 [[nodiscard]] const std::vector<std::string>& PlainVoxelNames();
-/// Whether the method works on our packings and their state: it can continue another such method's carving.
+/// Whether the method works on this project's packings and carved states. Such a method can continue the
+/// carving of another such method.
 [[nodiscard]] bool SharesState(const std::string& method);
 /// Whether the method works on disjoint packings, as the paper's does.
 [[nodiscard]] bool WantsDisjoint(const std::string& method);
@@ -37,7 +38,8 @@ struct MethodChoice {
 };
 
 /// Makes an engine by its method's name, with the bone's frame G in W.
-/// @param solid  filled by a voxel method; its box is divided for PlainVoxelNames(). Used only in this call
+/// @param solid  solid that a voxel method fills; for PlainVoxelNames(), its box determines the voxel's edge.
+///   Used only in this call
 /// @returns an error that names the method and says why it can't be made.
 [[nodiscard]] tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> MakeMethodEngine(
     const simulation::Bone& bone, const simulation::Solid* solid, const simulation::Tool& tool,
@@ -46,7 +48,7 @@ struct MethodChoice {
 /// Returns the remaining bone in the representation of the engine's method.
 [[nodiscard]] std::unique_ptr<simulation::CarvedShape> ShapeOf(const simulation::CuttingEngine& engine);
 
-/// Number of spheres or voxels at the start; or of spheres now, if splitting has made more.
+/// Number of spheres or voxels at the start; if balls were split, the present number of spheres.
 [[nodiscard]] std::size_t ElementsOf(const simulation::CuttingEngine& engine, const simulation::Bone& bone);
 
 }  // namespace osteon::studies

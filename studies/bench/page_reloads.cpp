@@ -20,8 +20,8 @@ using Clock = std::chrono::steady_clock;
 constexpr int kEveryKilled = 3;  // every third page is killed
 constexpr std::chrono::seconds kSettles{
     4};  // longest wait until the last pages' threads and sockets are gone
-constexpr std::chrono::milliseconds kSettleLooks{50};  // from one look at the resources to the next
-constexpr std::size_t kMaxRead = 64u << 20;            // bytes after which a text is no longer awaited
+constexpr std::chrono::milliseconds kSettleLooks{50};  // time between two measurements of the resources
+constexpr std::size_t kMaxRead = 64u << 20;            // number of bytes after which AwaitText gives up
 
 // Reads into `got` until it contains a text. @returns false if the text did not arrive in time
 bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, double patience_s) {
@@ -51,7 +51,7 @@ tl::expected<void, std::string> LoadFile(const std::string& address, std::uint16
 }
 
 constexpr std::chrono::seconds kPortComes{60};       // longest wait for the port's message
-constexpr std::chrono::milliseconds kPortLooks{50};  // from one look for the message to the next
+constexpr std::chrono::milliseconds kPortLooks{50};  // time between two polls for the message
 
 // The number behind a name in a text; 0 if the name is not found.
 double NumberAfter(const std::string& text, const std::string& name) {
@@ -99,7 +99,7 @@ tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std
     return {};
   }
   constexpr std::string_view kClose{"\x88\x82\x00\x00\x00\x00\x03\xe9",
-                                    8};  // masked by zeros: 1001, going away
+                                    8};  // close code 1001 (going away), masked with zeros
   if (!stream->Send(kClose)) return tl::make_unexpected(std::string("/live: gone before it was closed"));
   while (!stream->Receive(std::chrono::milliseconds(500)).empty()) continue;
   return {};

@@ -30,8 +30,8 @@ enum class PageStay : std::uint8_t {
   kWholeBone,    ///< the message with the whole surface of the bone
 };
 
-/// Loads a console's page as a browser does: its three files, then the stream until the message `stay`. Then
-/// leaves as `end` says.
+/// Loads a console's page as a browser does: its three files, then the stream up to the message that `stay`
+/// names. Then leaves the page as `end` says.
 /// @param patience_s  time limit for each file and for the stream
 /// @returns an error that says which part did not come.
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,
@@ -48,11 +48,12 @@ struct ProcessHolds {
 
 /// The effect of many reloads on the process that serves the page.
 struct ReloadFigures {
-  int loaded{0}, killed{0};           ///< pages that were loaded; of these, killed
-  std::vector<std::string> failed{};  ///< for each page that was not loaded, why
+  int loaded{0}, killed{0};           ///< number of loaded pages, and of killed pages among them
+  std::vector<std::string> failed{};  ///< for each page that was not loaded, the reason
   /// The process's resources while no page is open. `before`: before the first page. `warm`: after a tenth of
-  /// the pages, the last of which received the whole bone, as the surface is computed for the first page that
-  /// wants it. `after`: after all pages. `warm` and `after` are measured once the resources have settled.
+  /// the pages; the last of these received the whole bone, because the surface is only computed when a page
+  /// first wants it. `after`: after all pages. `warm` and `after` are measured once the resources have
+  /// settled.
   ProcessHolds before, warm, after;
   double seconds{0.0};
 };

@@ -41,8 +41,8 @@ constexpr double kPlaneTilt_rad = .6;  // angle between the planes' normals and 
 // Height of the planes above the place where the tool would meet the cup.
 constexpr double kEarly_m = 0.01;
 constexpr double kPresses_N = 1.0;         // coupling force from which a tick counts
-constexpr std::size_t kBaselineEvery = 8;  // one period in this many ticks times the kernel alone
-constexpr double kScriptShare = 4.0;       // length of the script, in lengths of the timed ticks
+constexpr std::size_t kBaselineEvery = 8;  // the kernel alone is timed once in this many ticks
+constexpr double kScriptShare = 4.0;       // length of the script, divided by the duration of the timed ticks
 
 // The force sensor and the drive in memory, with both sides of each connection.
 class Devices {
@@ -66,8 +66,8 @@ class Devices {
     devices_.SetLoad(F_S);
     wires_->Pump(now);
   }
-  // Advances our side of the connections, as WiredDevices::Exchange does, but without the PLC, which another
-  // thread reads.
+  // Advances the loop's side of the connections, as WiredDevices::Exchange does. The PLC is left out, because
+  // in a real cell another thread reads it.
   control::CellReadings Exchange(const control::CellCommands& commands, rt::Nanoseconds now) {
     clients_->Command(commands, now);
     for (io::CanPump& pump : pumps_) pump.Pump(now);
@@ -85,8 +85,8 @@ class Devices {
 };
 
 // Returns eight planes that touch a ball in the tool's path, as a simulation frame reports them: the tool's
-// head touches all of them where it coincides with the ball, and presses on all when it goes farther along
-// the feed.
+// head touches all planes when it coincides with the ball, and presses on all planes when it moves farther
+// along the feed.
 simulation::ContactModel EightPlanes(const Vector3& p_WBall, double radius_m, const Pose& X_WT,
                                      double stiffness_N_per_m) {
   simulation::ContactModel model;
@@ -293,7 +293,7 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
     for (auto& each : times.parts) each.reserve(ticks);
     times.bare.reserve(ticks / kBaselineEvery + 1);
   }
-  // Run the ticks until the tools press as fast as possible.
+  // Until the tools press, run the ticks as fast as possible.
   for (std::size_t i = 0; i < benches.size(); ++i)
     while (all[i].tick.empty() && !benches[i].parts().ended() && !base::Interrupted())
       benches[i].parts().RunNext(all[i]);
@@ -314,7 +314,8 @@ std::vector<TickTimes> TimeHere(std::span<TickBench> benches, std::size_t ticks)
       over = false;
       TickBench::Parts& bench = benches[i].parts();
       wait(bench);
-      if (all[i].tick.size() / kBaselineEvery > all[i].bare.size()) {  // as a tick, with cold caches
+      if (all[i].tick.size() / kBaselineEvery >
+          all[i].bare.size()) {  // in a period of its own, with cold caches, as a tick
         bench.TimeKernel(all[i]);
         wait(bench);
       }

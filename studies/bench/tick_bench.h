@@ -53,16 +53,17 @@ class TickBench {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Times the benches' ticks in turn, each tick in a period of its own, and in the reverse order of benches
-/// every second time, so that a slow minute of the machine affects all alike. Runs in a thread of its own,
-/// which gets real-time priority if the system permits it; the process keeps its own priority. Ends early on
-/// Ctrl-C; a bench whose cell has ended has fewer ticks.
+/// Times the benches' ticks in turn, each tick in a period of its own. The order of the benches is reversed
+/// every second time. So a slow minute of the machine affects all benches equally. Runs in a thread of its
+/// own, which gets real-time priority if the system permits it; the process keeps its own priority. Ends
+/// early on Ctrl-C; a bench whose cell has ended has fewer ticks.
 /// @returns the times of each bench, up to `ticks` of them
 /// @throws std::runtime_error if a message is not answered.
 [[nodiscard]] std::vector<TickTimes> TimeInTurn(std::span<TickBench> benches, std::size_t ticks);
 
-/// The demo cell reduced to what a bench can use: no PLC (another thread's) and no injections.
-/// @throws config::ConfigError, or std::invalid_argument where cells/demo.yaml is no such cell.
+/// The demo cell without the parts that a bench cannot use: the PLC, which another thread reads, and
+/// injections.
+/// @throws config::ConfigError, or std::invalid_argument if TickBench cannot use cells/demo.yaml.
 [[nodiscard]] config::CellConfig BenchCell(const std::filesystem::path& config_root);
 
 /// Length of a script in which the tool presses in at least `ticks` ticks [s].

@@ -17,17 +17,18 @@
 
 namespace osteon::studies {
 
-/// The inputs of a tick of the loop, as far as its parts need them.
+/// The inputs of a tick of the loop that the timed parts need.
 struct TickPartsInput {
-  kinematics::JointVector q{kinematics::JointVector::Zero()};  ///< commanded, before the tick [rad]
-  Pose X_WT{Pose::Identity()};                                 ///< the tool's pose at q
-  Twist V_WT;                                                  ///< of the tool, in this tick
+  /// Commanded joint positions before the tick [rad]
+  kinematics::JointVector q{kinematics::JointVector::Zero()};
+  Pose X_WT{Pose::Identity()};  ///< the tool's pose at q
+  Twist V_WT;                   ///< twist of the tool in this tick
   rt::Nanoseconds now{0};
 };
 
 /// Times the expensive parts of ServoLoop::Tick: each is called once more on a tick's inputs, since the loop
-/// itself has no points at which to time them. The functions are those that the loop calls, with its
-/// parameters; the code between them counts only in the tick's own time.
+/// itself has no points at which to time them. The functions are those that the loop calls, with the loop's
+/// parameters. The code between them is only part of the whole tick's time.
 class TickParts {
  public:
   static constexpr std::size_t kCount = 6;

@@ -32,7 +32,8 @@ struct WorkloadRounds {
 
 /// Parameters of TimeRounds.
 struct RoundsParams {
-  FrameTimingParams timing;  ///< of one round of one workload; its methods are the workload's
+  FrameTimingParams
+      timing;  ///< parameters of one round of one workload; its methods are replaced by the workload's
   std::size_t rounds{1};
   /// Methods whose failure to begin fails the whole run; others are left out.
   std::vector<std::string> required{};
@@ -40,9 +41,9 @@ struct RoundsParams {
 
 /// Times each workload's methods in rounds: a round goes through all workloads, and through a workload's
 /// methods frame by frame in turn (TimeFrames), so that a slow minute of the machine affects all methods
-/// alike and not all rounds. Every round begins from the same carved state with engines made anew. On Ctrl-C
-/// it ends early, with the frames so far.
-/// @returns one result per workload, or an error where a required method can't run here
+/// equally, and only some rounds. Every round begins from the same carved state, with new engines. On Ctrl-C
+/// the timing ends early, with the frames so far.
+/// @returns one result per workload, or an error if a required method can't run here
 [[nodiscard]] tl::expected<std::vector<WorkloadRounds>, std::string> TimeRounds(
     std::span<const RoundWorkload> workloads, const RoundsParams& params);
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kStill_rad = 5e-4;      // largest motion of a joint during a rest
 constexpr double kRest_s = 0.5;          // shortest rest
-constexpr double kSettle_s = 0.2;        // beginning of a rest that is left out of its mean
+constexpr double kSettle_s = 0.2;        // time at the beginning of a rest that is left out of the mean
 constexpr double kSamePlace_rad = 0.02;  // largest difference of a joint between rests at one posture
 constexpr double kFresh_s = 0.02;        // largest age of a sensor reading that counts
 
@@ -80,7 +80,7 @@ Pose FlangePose(const config::CellConfig& cell, const RestingPose& rest) {
                          .FlangePose(Eigen::Map<const kinematics::JointVector>(rest.q.data()));
 }
 
-// The rests of a recording; an error if it is torn or has none.
+// The rests of a recording; an error if the recording is truncated or has no rest.
 tl::expected<std::vector<RestingPose>, std::string> RestsOf(const std::filesystem::path& file) {
   const auto recording = io::ReadRecording(file);
   if (!recording) return tl::unexpected(recording.error());
@@ -105,24 +105,25 @@ std::string Text(const Vector3& v, double scale) {
 struct PostureResidual {
   std::array<double, 7> q{};  // [rad]
   double begin_s{0.0};
-  double residual{0.0};  // [N] for the payload, [m] for the pivot
+  double residual{0.0};  // remaining error: [N] for the payload, [m] for the pivot
   int visits{1};
   double repeat_N{0.0};
 };
 
-// What the recordings gave; a part whose recording was not named has no value.
+// Results of the calibration. A part whose recording was not given has no value.
 struct Result {
   std::optional<control::PayloadFit> payload;
   std::vector<PostureResidual> payload_residuals, pivot_residuals;
   std::vector<std::string> drift;       // one sentence for each quantity (DriftSince)
-  std::size_t earlier{0};               // calibrations in the history
+  std::size_t earlier{0};               // number of calibrations in the history
   Vector3 center_F_m{Vector3::Zero()};  // centre of mass of the payload
   std::size_t payload_poses{0};
   std::optional<control::PivotFit> pivot;
   std::size_t pivot_poses{0};
 };
 
-// For each posture, the distance of the mean force from the fit's bias and weight.
+// For each posture, the difference between the mean force and the force that the fit predicts from bias and
+// weight.
 std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
                                               const std::vector<RestingPose>& rests,
                                               const std::vector<control::RestPose>& poses) {
@@ -139,7 +140,7 @@ std::vector<PostureResidual> PayloadResiduals(const control::PayloadFit& fit,
   return list;
 }
 
-// For each posture, the distance of the tool's tip from the fit's point.
+// For each posture, the distance of the tool's tip from the fixed point that the fit found.
 std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
                                             const std::vector<RestingPose>& rests,
                                             const std::vector<Pose>& X_WF) {
@@ -153,7 +154,7 @@ std::vector<PostureResidual> PivotResiduals(const control::PivotFit& fit,
   return list;
 }
 
-// Largest difference of force between two rests at one posture [N]; nothing if no posture was visited again.
+// Largest difference of force between two rests at one posture [N]; nothing if no posture was visited twice.
 std::optional<double> Repeatability_N(const std::vector<PostureResidual>& residuals) {
   std::optional<double> max_difference_N;
   for (const PostureResidual& at : residuals)
@@ -284,7 +285,7 @@ void Print(const Result& result, const CalibrateOptions& options) {
 std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks) {
   std::vector<RestingPose> rests;
   std::size_t first = 0;
-  // Ends the rest before tick `last`, and keeps it if it is long enough.
+  // Ends the rest at tick `last` (excluded), and stores it if it is long enough.
   const auto end = [&](std::size_t last) {
     if (last > first && Seconds(ticks[first].stamp, ticks[last - 1].stamp) >= kRest_s)
       KeepLonger(MeanOf(ticks, first, last), rests);
@@ -336,7 +337,7 @@ int RunCalibrate(const CalibrateOptions& options) {
     result.pivot_poses = poses.size();
     result.pivot_residuals = PivotResiduals(*fit, *rests, poses);
   }
-  // Report a history that can't be read before anything is written.
+  // Read the history first, so that an unreadable history is reported before any file is written.
   const auto history = ReadHistory(HistoryFile(options.out));
   if (!history) return session::Fail("calibrate", history.error());
   const CalibrationEntry entry = EntryOf(result);
