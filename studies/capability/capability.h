@@ -23,7 +23,8 @@ struct CapabilityOptions {
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};
-  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< ranges in which the base may stand, in W
+  /// Ranges of the base's origin in the search, in W.
+  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};
   double clearance_mm{350.0};
   double joint_margin_deg{5.0};
   int nodes{61};      ///< number of a map's nodes across the workspace

@@ -15,7 +15,7 @@ constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 // "A3" for index 2; "no joint" below 0.
 std::string Joint(int joint) { return joint < 0 ? "no joint" : fmt::format("A{}", joint + 1); }
 
-// Zero if nothing could be judged; JSON has no infinity.
+// Returns zero for an infinite value: no pose could be judged, and JSON has no infinity.
 double Shown(double value) { return std::isfinite(value) ? value : 0.0; }
 
 // The smallest forces over the task with the joints that limit them, as one line.

@@ -17,7 +17,7 @@ struct ScalingOptions {
   std::string device{};                 ///< part of a Vulkan device's name; empty: the default device
   std::size_t frames{1000};             ///< timed at each point
   double max_seconds{120.0};            ///< per point; slower points are left out and listed
-  std::filesystem::path json{};         ///< a second copy
+  std::filesystem::path json{};         ///< a second copy of the JSON file
   Sharding sharding{};
 };
 

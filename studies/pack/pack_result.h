@@ -19,10 +19,11 @@ namespace osteon::studies {
 struct PackResult {
   simulation::Bone bone{};
   std::string mode{};     ///< "overlap" or "disjoint"; for a packing file: as stored there
-  bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
+  /// True: the packing was read from a file, so nothing was packed and some figures are unknown.
+  bool converted{false};
   simulation::PackingQuality quality{};
   simulation::PackingProvenance provenance{};
-  std::size_t triangles{0};  ///< of the mesh; 0: the source is a shape
+  std::size_t triangles{0};  ///< number of the mesh's triangles; 0: the source is a shape
   std::uint64_t seed{0};
   int threads{0};
   std::string zone{};  ///< description of the cut zone
@@ -36,8 +37,8 @@ struct PackResult {
   std::vector<std::filesystem::path> outputs{};
 };
 
-/// Tolerances of a packing: how far a ball may reach out of the solid, and, in a disjoint packing, into
-/// another ball.
+/// Tolerances of a packing: the largest distance by which a ball may reach out of the solid, or, in a
+/// disjoint packing, into another ball.
 inline constexpr double kMaxProtrusion_m = 0.05e-3, kMaxDisjointOverlap_m = 1e-6;
 [[nodiscard]] bool KeepsTolerances(const PackResult& result);
 

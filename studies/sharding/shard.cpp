@@ -40,7 +40,7 @@ std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
     if (std::ranges::find(options, name) == options.end())
       kept.push_back(words[i]);
     else if (name == words[i])
-      ++i;  // skips the option's value, which is the next word
+      ++i;  // skip the option's value, which is the next word
   }
   return kept;
 }

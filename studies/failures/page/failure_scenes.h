@@ -20,9 +20,10 @@ namespace osteon::studies {
 
 /// The sketch of a scenario. `draw` is called once for each half.
 struct FailureScene {
-  int id{0};  ///< FailureScenario::id
+  int id{0};  ///< number of the scenario, as in FailureScenario::id
   void (*draw)(SceneSketch&){nullptr};
-  std::string_view baseline{}, ours{};  ///< captions below the halves: what goes wrong, and what prevents it
+  /// Captions below the halves: what goes wrong with the baseline, and what prevents it in ours.
+  std::string_view baseline{}, ours{};
 };
 
 [[nodiscard]] std::span<const FailureScene> ContactScenes();   ///< the tool against bone that does not change

@@ -9,7 +9,7 @@
 namespace osteon::studies {
 namespace {
 
-// Mass on the sensor with a reamer of 44 mm, and what a reamer of 50 mm weighs more.
+// Mass on the sensor with a reamer of 44 mm, and the additional mass of a reamer of 50 mm.
 constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;
 constexpr int kEvery = 20;  // ticks between two points of the picture
 
