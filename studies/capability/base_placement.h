@@ -26,7 +26,7 @@ struct AxisRange {
 
 /// Ranges, conditions and fineness of the search.
 struct BasePlacementParams {
-  AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
+  AxisRange x_m, y_m, z_m;  ///< ranges of the base's origin, in W
   /// Minimum distance of the site's centre from the base's axis, measured across that axis.
   double clearance_m{0.35};
   double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
@@ -35,7 +35,7 @@ struct BasePlacementParams {
   Vector3 now_W_m{Vector3::Zero()};
   /// Relative gain of the factor that a place must bring per metre of its distance from the present place.
   double moving_share_per_m{0.01};
-  double step_m{0.05};               ///< spacing of the first grid
+  double step_m{0.05};  ///< spacing of the first grid
   double final_step_m{0.005};
   int arm_angles{36};  ///< samples of the elbow's circle
   int starts{6};       ///< number of grid places that are refined

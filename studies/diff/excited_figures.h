@@ -26,7 +26,7 @@ struct RecordedResponse {
 /// The data of a recording of `osteon identify` in addition to its ticks: the excitation, and the results
 /// that identify estimates from the recording.
 struct ExcitedFigures {
-  std::string kind;        ///< "a free run along an axis": runs of different kinds have nothing to compare
+  std::string kind;  ///< "a free run along an axis": runs of different kinds have nothing to compare
   /// Axis or joint, speed, seed, draws and periods, as the recorded event states them.
   std::string excitation;
   std::vector<RunFigure> figures{};

@@ -11,15 +11,15 @@ namespace osteon::studies {
 
 /// Options of `osteon failures`.
 struct FailureOptions {
-  std::vector<int> ids{};            ///< empty: every scenario
-  std::filesystem::path out{};       ///< folder for failures.html and one picture per scenario; empty: none
+  std::vector<int> ids{};       ///< empty: every scenario
+  std::filesystem::path out{};  ///< folder for failures.html and one picture per scenario; empty: none
   /// File for the page as Markdown, which shows the pictures of `out`; empty: none.
   std::filesystem::path markdown{};
-  std::filesystem::path json{};      ///< empty: none
-  std::string device{};              ///< part of a Vulkan device's name; empty: the best there is
-  std::string engine{"auto"};        ///< "ours": one of EngineNames
-  bool quick{false};                 ///< computes with FailureSize::kTest: seconds instead of minutes
-  std::string command_line{};        ///< the command that repeats the run
+  std::filesystem::path json{};  ///< empty: none
+  std::string device{};          ///< part of a Vulkan device's name; empty: the best there is
+  std::string engine{"auto"};    ///< "ours": one of EngineNames
+  bool quick{false};             ///< computes with FailureSize::kTest: seconds instead of minutes
+  std::string command_line{};    ///< the command that repeats the run
   Sharding sharding{};
 };
 

@@ -32,9 +32,9 @@ constexpr int kMissed = 5;              // WatchdogParams::arm_misses: messages 
 constexpr int kSpindleBeyond = 52;      // the rig's trip_s
 // Until max_tracking_error is reached at the tool's speed along the plane.
 constexpr int kDrifted = 450;
-constexpr int kDriftedOnItsWay = 800;   // until max_tracking_error is reached at the start path's speed
-constexpr int kLong = 500;              // ticks for which a slowly detected fault lasts
-constexpr int kThrownAgain = 40;        // ticks from one jump to the next
+constexpr int kDriftedOnItsWay = 800;  // until max_tracking_error is reached at the start path's speed
+constexpr int kLong = 500;             // ticks for which a slowly detected fault lasts
+constexpr int kThrownAgain = 40;       // ticks from one jump to the next
 
 // The set of these faults.
 safety::FaultSet Of(std::initializer_list<Fault> faults) {

@@ -15,11 +15,11 @@ using control::TickRecord;
 using safety::CellState;
 using Records = std::vector<TickRecord>;
 
-constexpr int kBefore = 300;   // ticks for which a fault acts before a waiting cell is handed over
+constexpr int kBefore = 300;  // ticks for which a fault acts before a waiting cell is handed over
 // Ticks until the cell begins after the fault; 200 of them wait for the answer to the request for motion.
 constexpr int kAfter = 300;
-constexpr int kSettles = 200;  // ticks until everything is at rest
-constexpr int kRefused = 20;   // ticks for which a recovery that must be refused is attempted
+constexpr int kSettles = 200;               // ticks until everything is at rest
+constexpr int kRefused = 20;                // ticks for which a recovery that must be refused is attempted
 constexpr double kSlack = 1.0 + 1e-9;       // factor on a limit, for rounding
 constexpr double kStands_rad_per_s = 1e-3;  // the arm is at rest if each joint is slower
 // Tolerance of the travel: the plane's spring changes the direction of the velocity a little.

@@ -17,7 +17,7 @@ struct FaultVerdict {
   safety::FaultSet latched{};
   /// Ticks from the injection to the latching; for a cell that waited, from the hand-over of the arm.
   int ticks{-1};
-  double distance_m{0.0};  ///< travel of the commanded tool from the latching of the fault to rest
+  double distance_m{0.0};      ///< travel of the commanded tool from the latching of the fault to rest
   double max_distance_m{0.0};  ///< its bound: v^2 / 2a and a tick's travel; on the start path that of the
                                ///< path's clock
   double peak_force_N{0.0};    ///< rendered, over the whole run

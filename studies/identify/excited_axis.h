@@ -22,7 +22,7 @@ struct ExcitationRequest {
   bool held{false};          ///< a hand holds the handle
   /// True: a force acts on the arm's own impedance (FRI overlay); false: the commanded position moves.
   bool overlay{false};
-  double rest_s{0.0};        ///< above 0: the arm rests for this time, and nothing is excited
+  double rest_s{0.0};  ///< above 0: the arm rests for this time, and nothing is excited
   /// 1 … 7: this joint is moved instead of an axis, and peak_speed_m_per_s is the joint's speed [rad/s].
   int joint{0};
 };

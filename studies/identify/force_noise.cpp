@@ -16,7 +16,7 @@ namespace {
 
 // Length of one spectrum's window; least length of a signal.
 constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
-constexpr double kLineRatio = 10.0;   // least ratio of a line's power to the median power around it: 10 dB
+constexpr double kLineRatio = 10.0;  // least ratio of a line's power to the median power around it: 10 dB
 // Least amplitude of a line: smaller lines come from the resolution of the reading.
 constexpr double kMinLine_N = 1e-3;
 // Number of frequencies on each side of a line from which the median is taken.

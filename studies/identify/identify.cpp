@@ -28,10 +28,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_s = 60.0, kTremor_s = 30.0;    // lengths of the noise run and the tremor run
+constexpr double kRest_s = 60.0, kTremor_s = 30.0;  // lengths of the noise run and the tremor run
 // Seeds of the runs that are fitted, and of the runs for validation.
 constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;
-constexpr int kJointDraws = 2, kJointPeriods = 2;     // they take 24 s
+constexpr int kJointDraws = 2, kJointPeriods = 2;  // they take 24 s
 
 // A recording to be made.
 struct PlannedRun {

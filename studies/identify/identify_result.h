@@ -55,8 +55,8 @@ struct AxisResult {
   std::optional<double> validation_chi2{};
   /// The response must be known up to this frequency; none: up to the bandwidth.
   std::optional<double> crossing_hz{};
-  ExcitedSamples samples{};             ///< counts and jitter; `run` may be empty
-  bool model_holds{true};               ///< false: use only the response, not the fitted model
+  ExcitedSamples samples{};  ///< counts and jitter; `run` may be empty
+  bool model_holds{true};    ///< false: use only the response, not the fitted model
 };
 
 /// Total lag from motion without excitation, with the hand's force as a second input: x_cmd - x_meas = lag v

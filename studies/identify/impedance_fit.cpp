@@ -22,12 +22,12 @@ constexpr double kMaxRigidChi2 = 3.0;     // chi² above which an arm on a mount
 constexpr double kFalls = 3.0;            // factor by which a mount must lower the cost to be kept
 constexpr double kStartFriction = 0.003;  // friction ratio at which a fit starts
 constexpr std::size_t kMinLines = 6;
-constexpr int kMaxAgain = 5;          // maximum number of restarts of the solver
+constexpr int kMaxAgain = 5;  // maximum number of restarts of the solver
 // A restart has made progress if the cost falls below this share of the previous cost.
 constexpr double kWentOn = 0.95;
 // Standard deviation of a mount's parameters, as a factor on their start values.
 constexpr double kMountFactor = 3.0;
-constexpr double kFarOff = 1e6;       // residual if the model has no finite value
+constexpr double kFarOff = 1e6;  // residual if the model has no finite value
 
 // The fitted parameters by index. The rotational spring exists only with Cartesian impedance, the last five
 // only with a mount.

@@ -33,10 +33,10 @@ struct ImpedanceFit {
   /// The arm's own parameters, as in hil::DynamicArmParams. Cartesian impedance: stiffness along and about
   /// each direction. Joint impedance: stiffness of each joint.
   Estimate translation_N_per_m{}, rotation_Nm_per_rad{}, joint_Nm_per_rad{}, own_damping_ratio{};
-  Estimate mass_ratio{};      ///< ratio of the arm's masses to those of the arm's file
+  Estimate mass_ratio{};  ///< ratio of the arm's masses to those of the arm's file
   /// Ratio of the Coulomb friction that nothing compensates to each drive's torque limit.
   Estimate friction_ratio{};
-  bool on_mount{false};       ///< true: the model with a compliant mount below the arm was kept
+  bool on_mount{false};  ///< true: the model with a compliant mount below the arm was kept
 
   double chi2{0.0};              ///< chi^2 divided by its degrees of freedom
   double residual{0.0};          ///< RMS of (measured - model) / measured

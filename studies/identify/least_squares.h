@@ -17,7 +17,7 @@ struct LeastSquares {
 struct LeastSquaresFit {
   bool converged{false};
   Eigen::VectorXd parameters{};
-  double cost{0.0};              ///< sum of squared residuals
+  double cost{0.0};  ///< sum of squared residuals
   /// (J^T J)^-1: the covariance of the parameters if the residuals have variance 1.
   Eigen::MatrixXd covariance{};
 };

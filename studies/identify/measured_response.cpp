@@ -22,10 +22,10 @@ using Complex = std::complex<double>;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 // Least number of draws; least number of counted periods of each draw.
 constexpr int kMinDraws = 2, kMinPeriods = 2;
-constexpr double kMinSeen = 0.5;               // least share of a period's samples that must be seen
+constexpr double kMinSeen = 0.5;  // least share of a period's samples that must be seen
 // Least standard deviation relative to a response of 1: smaller ones are rounding.
 constexpr double kMinSd = 1e-9;
-constexpr int kMaxDetection = 80;              // number of the harmonic at 20 Hz
+constexpr int kMaxDetection = 80;  // number of the harmonic at 20 Hz
 
 // The signal's value in a sample [m or N].
 double ValueOf(const ExcitedSample& sample, Signal signal) {

@@ -20,7 +20,7 @@ constexpr double kPush_N = 150.0, kLimit_N = 200.0;
 
 // Figures of one victim's trials.
 struct Row {
-  int times{0}, rested{0};      // number of trials, and number of those that ended at rest
+  int times{0}, rested{0};  // number of trials, and number of those that ended at rest
   // largest values over the trials; only hand_N, coupling_N and distance_m are set
   KillResult worst;
   std::vector<double> rest_ms;  // times from the kill to rest, sorted

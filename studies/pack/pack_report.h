@@ -26,10 +26,10 @@ struct PackReportInput {
   const simulation::Solid& solid;
   const simulation::CutZone& zone;
   simulation::MassPointParams point_params{};
-  simulation::MassProperties mass{};                        ///< of the mass points
+  simulation::MassProperties mass{};  ///< of the mass points
   /// Of the mass points, if every material had 1000 kg/m³.
   std::optional<simulation::MassProperties> even_points{};
-  std::optional<simulation::MassProperties> even_solid{};   ///< of the solid with 1000 kg/m³, in closed form
+  std::optional<simulation::MassProperties> even_solid{};  ///< of the solid with 1000 kg/m³, in closed form
   simulation::PackingProvenance provenance{};
   std::vector<report::SummaryRow> times{};
   std::string command_line{};

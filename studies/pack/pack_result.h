@@ -18,7 +18,7 @@ namespace osteon::studies {
 /// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
 struct PackResult {
   simulation::Bone bone{};
-  std::string mode{};     ///< "overlap" or "disjoint"; for a packing file: as stored there
+  std::string mode{};  ///< "overlap" or "disjoint"; for a packing file: as stored there
   /// True: the packing was read from a file, so nothing was packed and some figures are unknown.
   bool converted{false};
   simulation::PackingQuality quality{};

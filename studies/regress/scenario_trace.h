@@ -82,11 +82,11 @@ struct ScenarioTrace {
   std::uint64_t hash{0};
   std::string ended;  ///< how it ended: "completed", or what never came
   std::vector<TraceEvent> events;
-  std::vector<TraceSample> samples;     ///< at multiples of the interval, from the arm's first motion on
+  std::vector<TraceSample> samples;  ///< at multiples of the interval, from the arm's first motion on
   /// Smallest and largest value of each quantity, over all ticks from the arm's first motion on.
   std::vector<double> least, greatest;
-  std::uint64_t first_tick{0};          ///< tick of the first digest
-  std::vector<TickDigest> digests;      ///< digests of every tick from first_tick on
+  std::uint64_t first_tick{0};      ///< tick of the first digest
+  std::vector<TickDigest> digests;  ///< digests of every tick from first_tick on
 
   /// Returns a tick's time; the first tick is at one period.
   [[nodiscard]] double TimeOf_s(std::uint64_t tick) const { return period_s * static_cast<double>(tick + 1); }

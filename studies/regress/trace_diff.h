@@ -23,9 +23,9 @@ struct QuantityDifference {
   double tolerance{0.0};
   /// Largest |now - golden| over the samples and over the extremes of all ticks.
   double worst{0.0};
-  std::uint64_t worst_tick{0};   ///< tick of the sample with the difference `worst`
-  bool between_samples{false};   ///< `worst` is a difference of extremes, which no sample shows
-  double golden{0.0}, now{0.0};  ///< the two values whose difference is `worst`
+  std::uint64_t worst_tick{0};               ///< tick of the sample with the difference `worst`
+  bool between_samples{false};               ///< `worst` is a difference of extremes, which no sample shows
+  double golden{0.0}, now{0.0};              ///< the two values whose difference is `worst`
   std::optional<std::uint64_t> left_tick{};  ///< tick of the first sample beyond the tolerance
 
   [[nodiscard]] bool beyond() const { return worst > tolerance; }
@@ -41,8 +41,8 @@ struct TraceDifference {
   std::vector<PartDifference> parts;
   /// All that differ: first those beyond their tolerance, by the time they left it; then by size.
   std::vector<QuantityDifference> quantities;
-  std::vector<std::string> others;             ///< other differences, one line each: events, the end
-  std::uint64_t first_tick{0};                 ///< tick of the first golden digest
+  std::vector<std::string> others;  ///< other differences, one line each: events, the end
+  std::uint64_t first_tick{0};      ///< tick of the first golden digest
 
   /// Number of quantities beyond their tolerance.
   [[nodiscard]] std::size_t Beyond() const;

@@ -31,7 +31,7 @@ constexpr seconds kEnd{90};  // from SIGTERM to a process's end
 // Time limit of an episode: this ratio × its time of rendering, plus these seconds.
 constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;
 constexpr milliseconds kPollInterval{50};
-constexpr double kUseEvery_s = 0.5;   // time between two measurements of the processes' use of the machine
+constexpr double kUseEvery_s = 0.5;  // time between two measurements of the processes' use of the machine
 // Time for which a page stays open in an episode in which pages come and go.
 constexpr double kPageStays_s = 1.0;
 // Time in which the PLC notices a missing heartbeat and withdraws the permission, which takes 0.25 s.

@@ -42,7 +42,7 @@ struct WallOutcome {
   bool event_done{false};     ///< whether the pauses, the halt or the kill took place
   std::string refused{};      ///< the controller's answer if it refused a request
   std::filesystem::path recording{}, summary{};
-  PartUses use{};                                    ///< last measured use of each process
+  PartUses use{};  ///< last measured use of each process
   /// Use of the controller after half of the episode's time.
   ProcessUse half{};
   std::array<std::uint64_t, kWallPages> messages{};  ///< number of messages that each page got
@@ -102,10 +102,10 @@ class WallCell {
   rt::CpuWatch cpus_{90};  // its real-time priority is above those of the servo loop and of the simulated arm
   int life_{-1};           // index of the CellLife whose cell runs
   bool needs_new_cell_{false};
-  std::size_t pause_{0};                  // the next pause of the script
+  std::size_t pause_{0};  // the next pause of the script
   // changed_: the next tool was taken in this pause, or none is to be taken
   bool pausing_{false}, changed_{false};
-  double resume_at_s_{0.0};               // time at which the pause ends, on this process's clock
+  double resume_at_s_{0.0};  // time at which the pause ends, on this process's clock
   std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
 };
 

@@ -18,11 +18,11 @@ struct AdmittanceRunParams {
   hil::AdmittanceLoopParams loop;
   double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
   double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
-  double command_loss{0.0};  ///< share of lost commands; the arm then keeps the last command that it got
-  int command_jitter{0};     ///< largest additional delay of a command [ticks]; commands stay in order
-  double seconds{4.0};       ///< length of the run; growth is measured over its second half
+  double command_loss{0.0};   ///< share of lost commands; the arm then keeps the last command that it got
+  int command_jitter{0};      ///< largest additional delay of a command [ticks]; commands stay in order
+  double seconds{4.0};        ///< length of the run; growth is measured over its second half
   std::uint64_t seed{1};
-  double noise_N{0.0};                                  ///< RMS value of the sensor's noise
+  double noise_N{0.0};  ///< RMS value of the sensor's noise
   /// Index that raises drag and mass; none: the law is not changed.
   std::optional<control::VibrationParams> vibration{};
 };

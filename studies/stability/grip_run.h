@@ -14,7 +14,7 @@ struct GripRun {
   double late_index{0.0};  ///< largest index from 0.5 s after the grip closed on
   /// Factor on the law's damping: the largest; the mean from 1 s after the grip closed on.
   double max_damping{1.0}, mean_damping{1.0};
-  bool valid{true};                            ///< false: the law refused its input
+  bool valid{true};  ///< false: the law refused its input
 };
 
 /// Runs AdmittanceAxis for params.seconds (at least 2 s), with the kick of `params`.

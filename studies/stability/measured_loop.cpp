@@ -16,9 +16,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSmooth_octave = 0.35;     // width of the smoothing bell at half of its height
-constexpr double kLowest_hz = 0.01;         // lowest frequency of the grid on which the curve is computed
-constexpr int kPoints = 1500;               // number of frequencies of the grid
+constexpr double kSmooth_octave = 0.35;  // width of the smoothing bell at half of its height
+constexpr double kLowest_hz = 0.01;      // lowest frequency of the grid on which the curve is computed
+constexpr int kPoints = 1500;            // number of frequencies of the grid
 // Radius of the disc that contains 95 % of a plane's normal distribution with standard deviation 1.
 constexpr double k95 = 2.4477468306808161;
 // Least standard deviation of a line, so that weights stay finite without noise.
@@ -217,7 +217,7 @@ LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   // A tick sends the new x_c, the first element of the next state.
   output_ = state_.row(0).transpose();
   direct_ = input_[0];
-  // without a wall the law integrates: its pole at 1 does not count as unstable
+  // Without a wall the law integrates. This pole at 1 does not count as unstable.
   const bool integrates = !(params.wall.stiffness_N_per_m > 0.0);
   const Eigen::VectorXcd poles = Eigen::EigenSolver<Eigen::MatrixXd>(state_, false).eigenvalues();
   for (const Complex& pole : poles)

@@ -44,12 +44,12 @@ class MeasuredOverlay {
   using Matrix7c = Eigen::Matrix<std::complex<double>, 7, 7>;
   struct Point {
     double hz{0.0};
-    std::complex<double> z;      // e^(j w T)
+    std::complex<double> z;  // e^(j w T)
     // delay of a sent force, including half of the period for which the force is held
     std::complex<double> delay;
-    Matrix7c compliance;         // compliance C' of the joints
-    Matrix7c slope;              // change of C' per relative change of G
-    double share{0.0};           // standard deviation of G, divided by its size
+    Matrix7c compliance;  // compliance C' of the joints
+    Matrix7c slope;       // change of C' per relative change of G
+    double share{0.0};    // standard deviation of G, divided by its size
   };
   struct Evaluation {  // result for a loop, at all points
     std::vector<NyquistPoint> curve;

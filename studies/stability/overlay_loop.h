@@ -53,7 +53,7 @@ class OverlayLoop {
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
 
   OverlayLoopParams params_;
-  Matrix6x7 J_;                                  // Jacobian of the tool, in B
+  Matrix6x7 J_;  // Jacobian of the tool, in B
   // stiffness of the arm's own springs: torque per displacement of their equilibrium
   Eigen::Matrix<double, 7, 7> follow_;
   Eigen::Matrix<double, 14, 14> free_;           // state (q, qd) after a period, per state before

@@ -13,10 +13,10 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTick_s = 1e-3, kPush_N = 120.0, kPushRise_s = 1.0;
-constexpr double kPlanned_m = 2e-3;          // depth of the hole
+constexpr double kPlanned_m = 2e-3;  // depth of the hole
 // The spindle stops at this distance before the bound of the depth limit.
 constexpr double kSpindleStop_m = 1e-3;
-constexpr double kSoft_m = 3e-3;             // the depth limit resists from this distance before its bound on
+constexpr double kSoft_m = 3e-3;  // the depth limit resists from this distance before its bound on
 // The impedance law with an overlay of 4 ms and 40 N s/m of damping is stable with it.
 constexpr double kImpedance_N_per_m = 10e3;
 constexpr int kMaxTicks = 20'000, kTicksAfterStop = 300;  // ticks in all, and ticks after the spindle stopped

@@ -27,7 +27,7 @@ struct LawRideParams {
 
 /// The state after one millisecond.
 struct LawRideTick {
-  Pose X_WT{Pose::Identity()};      ///< the tool's true pose
+  Pose X_WT{Pose::Identity()};  ///< the tool's true pose
   /// Pose of the tool's head relative to the moved bone, as the simulation gets it.
   Pose X_ME{Pose::Identity()};
   Pose X_WT_sim{Pose::Identity()};  ///< pose of the rigid tool to which that head belongs

@@ -29,7 +29,7 @@ constexpr int kFramesAfter = 100;  // frames observed after the breakthrough
 
 // The result of drilling through one wall.
 struct DrillResult {
-  double overshoot_m{0.0};     ///< travel of the hand below its height at the breakthrough
+  double overshoot_m{0.0};  ///< travel of the hand below its height at the breakthrough
   /// Largest distance of the proxy ahead of the tool along the feed; -1: none seen.
   double lead_m{-1.0};
   std::optional<int> through;  ///< frame in which the proxy's apex has passed the wall's far side

@@ -21,8 +21,8 @@ constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012:
 /// Work and energy of a run, summed over its cycles.
 struct WorkSums {
   double drive_J{0.0}, feed_J{0.0}, cut_J{0.0};
-  double returned_J{0.0};             ///< largest energy that a closed cycle gave to the hand; never negative
-  double stored_J{0.0};               ///< largest energy stored in the coupling's spring
+  double returned_J{0.0};  ///< largest energy that a closed cycle gave to the hand; never negative
+  double stored_J{0.0};    ///< largest energy stored in the coupling's spring
   /// Work of drive and feed, and cutting energy [J], over the number of cycles.
   FailureSeries drive_and_feed, cut;
 

@@ -25,10 +25,10 @@ constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;
 // Share of the requested force from which on the force counts as whole.
 constexpr double kWhole = 0.99;
-constexpr double kMaxRecovery_s = 0.05;               // bound on the time until the whole force is back
+constexpr double kMaxRecovery_s = 0.05;  // bound on the time until the whole force is back
 // Direction is judged only if the requested force is larger.
 constexpr double kCounts_N = 1.0;
-constexpr double kSlack = 1.0 + 1e-9;                 // tolerance of a torque limit, for rounding
+constexpr double kSlack = 1.0 + 1e-9;  // tolerance of a torque limit, for rounding
 
 // Judged results of one push; the baseline is computed for the same poses.
 struct PushResult {
@@ -40,8 +40,8 @@ struct PushResult {
   double max_N{0.0}, max_wanted_N{0.0};
   // longest time from when the arm can hold the whole force until the whole force is rendered
   double recovery_s{0.0};
-  bool saturates{false};   // in some tick the arm could not hold the whole requested force
-  bool recovers{false};    // the whole requested force is rendered at the end
+  bool saturates{false};  // in some tick the arm could not hold the whole requested force
+  bool recovers{false};   // the whole requested force is rendered at the end
   bool fault{false};
   std::vector<double> angle_deg, clipped_deg;  // the two angles, for each tick
 };

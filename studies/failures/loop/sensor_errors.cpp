@@ -22,7 +22,7 @@ constexpr double kTurn_rad = std::numbers::pi / 6.0, kPush_N = 10.0, kPushes_s =
 constexpr double kLever_m = 0.1;  // distance of a second judged point of the tool from the tool's origin
 // Mass that the cell's file lacks; drift of the sensor's zero.
 constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;
-constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;    // dead zone of our law
+constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;  // dead zone of our law
 
 // Motion of the released tool.
 struct DriftResult {

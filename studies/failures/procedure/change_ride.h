@@ -14,7 +14,7 @@ struct ChangeRideParams {
   std::vector<control::LoopTool> tools;  ///< the loop's table: the first and the second tool
   /// False (a baseline): the loop keeps the first tool's entry, although the second tool is mounted.
   bool changes_entry{true};
-  double mounted_kg{0.0};                ///< mass that the change adds to the sensor's load
+  double mounted_kg{0.0};  ///< mass that the change adds to the sensor's load
   double seconds_after{2.0};
 };
 
