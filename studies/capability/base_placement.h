@@ -8,6 +8,7 @@
 
 // Searches the place of an LBR's base in the room from which the arm can hold the tool's forces throughout a
 // task.
+//
 // A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
 // value is the smallest factor of the whole need (ArmForce::NeedFactor) over all poses of the task, at the
 // best arm angle. The value is zero in three cases: a pose can't be reached within the joint margin; elbow or

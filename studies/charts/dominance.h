@@ -21,11 +21,12 @@ struct BeatenPoint {
 };
 
 /// Compares other methods' points with ours. All values are indices of points, in the points' order.
-/// error │   o   ours: o            a  ahead: no point of ours is both as fast and as exact
-/// │ f   a                    f  faster than every point of ours
-/// │       o b                b  neither of the two
-/// │           o
-/// └──────────────── time     beat_all_ours: left of all o and below all o.
+///
+///     error │   o   ours: o            a  ahead: no point of ours is both as fast and as exact
+///           │ f   a                    f  faster than every point of ours
+///           │       o b                b  neither of the two
+///           │           o
+///           └──────────────── time     beat_all_ours: left of all o and below all o.
 struct Dominance {
   bool ours_measured{false};                 ///< otherwise the rest is empty
   std::vector<std::size_t> beat_all_ours{};  ///< a smaller time and a smaller error than every one of ours

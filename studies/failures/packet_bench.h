@@ -17,8 +17,10 @@ enum class WallMethod : std::uint8_t {
 
 /// A run in which a hand presses an admittance-controlled tool into a cup. The cup's simulation and the arm
 /// are each behind a wire with two directions:
-/// simulation ◀─pose── controller ──command─▶ arm and hand
-/// ──wall─▶            ◀──force───
+///
+///     simulation ◀─pose── controller ──command─▶ arm and hand
+///                ──wall─▶            ◀──force───
+///
 /// The shipped law (control/laws/admittance_law.h) and coupling (control/coupling/virtual_coupling.h) run in
 /// virtual time; simulation, controller and arm each work at 1 kHz. The arm is exactly at the newest command:
 /// a lag of its own would add to the age of the hand's force. Hand and wall are springs, and only the law's

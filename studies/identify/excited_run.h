@@ -29,9 +29,11 @@ struct ExcitedRunParams {
 /// render in free air, is paused, and holds the arm. Meanwhile control::ExcitedHold adds its offset to each
 /// answer. The spindle does not turn, and the cutting engine does not run. The loop's checks of a pause and
 /// the checks of the excited hold act.
+///
 /// A simulated cell runs in virtual time: arm, wires, devices and PLC as in `osteon demo --virtual-time`.
 /// There are two differences: nobody holds the handle, unless the request says so; and the sensor carries the
 /// tool's inertia, as a real sensor does.
+///
 /// A recording of a connected arm can be replayed as any other recording, since the loop's own command is
 /// that of a pause. Before a joint is moved, its travel of kMaxJointTravel_rad to either side is checked for
 /// obstacles, as the start path is.

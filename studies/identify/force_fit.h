@@ -24,7 +24,9 @@ struct ToolForceFit {
 };
 
 /// Fits the tool's inertial force by weighted least squares,
-/// F / x = m w^2 exp(-i w delay) R(w),   R = 1 or w_r^2 / (w_r^2 - w^2 + 2 i z_r w_r w)
+///
+///     F / x = m w^2 exp(-i w delay) R(w),   R = 1 or w_r^2 / (w_r^2 - w^2 + 2 i z_r w_r w)
+///
 /// with the force F, the measured position x, the mass m, and the resonance R between encoders and tool. A
 /// resonance is added if chi^2 without it is above 3, and falls to less than a third with it.
 /// @returns an error with fewer than 4 lines, or if no force stands out: the mass is at most 3 standard
@@ -51,7 +53,9 @@ struct HandFit {
 };
 
 /// Fits, by weighted least squares, a hand whose mass m is coupled to the handle by the hand's grip:
-/// F / x = -(k + i w b - w^2 m / (1 + i w grip_time)) exp(-i w delay)
+///
+///     F / x = -(k + i w b - w^2 m / (1 + i w grip_time)) exp(-i w delay)
+///
 /// with the force F, the position x, the stiffness k and the damping b, up to HandFitOptions::max_hz. The
 /// grip time is fitted if chi^2 falls to less than half with it; otherwise it is 0.
 /// @param tool_mass_kg  mass on the sensor's tool side; its inertial force is removed

@@ -23,7 +23,9 @@ namespace osteon::studies {
                                                                  const OverlaidArm* overlaid = nullptr);
 
 /// Estimates the total lag from rendering ticks without excitation, by least squares of
-/// (x_cmd - x_meas) = lag v_cmd + c F_hand
+///
+///     (x_cmd - x_meas) = lag v_cmd + c F_hand
+///
 /// in the tool's three directions, over the ticks in which the tool moves; v_cmd is the commanded velocity, c
 /// the arm's compliance. The interval follows from the scatter over parts of 1 s.
 /// @returns an error if there are fewer than 10 s of motion
@@ -37,7 +39,9 @@ void UseFreeRuns(IdentifyResult& result);
 
 /// Computes for each held run the effective mass M of the commanded arm for the hand's force F. It uses the
 /// free run of the same axis at the nearest speed, if that run's model holds:
-/// Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2))
+///
+///     Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2))
+///
 /// with the held run's response Y/U from command to position, the free run's response P, and the natural
 /// frequency w and damping ratio z of the free run's model. The fit is by weighted least squares up to 30 Hz.
 /// A held run gets no mass if the deflection due to the hand does not stand out of the noise, as with a stiff

@@ -45,6 +45,7 @@ struct ImpedanceFit {
 
 /// Fits an arm's impedance by weighted least squares, with a model of all joints: a force along one axis also
 /// turns the tool, which a model of one axis lacks.
+///
 /// Fitted are: a ratio on the masses of the arm's file; a damping ratio; the dead time; and with Cartesian
 /// impedance the stiffness of translation and rotation, with joint impedance one stiffness for all joints.
 /// Friction enters as a constant damping of each joint, its mean over the joint's speeds. If chi^2 exceeds 3

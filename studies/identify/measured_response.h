@@ -59,10 +59,12 @@ enum class Signal : std::uint8_t { kCommand, kPosition, kForce };
 
 /// Computes the response `output` / `input` at the lines of control::Multisine, from complete counted
 /// periods:
-/// each period   least squares of a constant and all lines, over the samples that were seen; before that
-/// the drift of the output is removed by a line through the means of whole periods
-/// each draw     H_d = sum Y conj(U) / sum |U|^2;   noise from Y - H_d U
-/// all draws     H = mean of H_d;   differences of H_d beyond the noise are nonlinearity
+///
+///     each period   least squares of a constant and all lines, over the samples that were seen; before that
+///                   the drift of the output is removed by a line through the means of whole periods
+///     each draw     H_d = sum Y conj(U) / sum |U|^2;   noise from Y - H_d U
+///     all draws     H = mean of H_d;   differences of H_d beyond the noise are nonlinearity
+///
 /// with the amplitudes U of the input and Y of the output. A line through the samples themselves would take
 /// power from the lowest lines; a line through the means of whole periods does not. Variances are smoothed
 /// over five lines.

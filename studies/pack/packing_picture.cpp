@@ -28,6 +28,7 @@ std::uint8_t ToByte(double value) {
 
 /// Finds the first ball that each pixel's ray meets, after the half-space in front of the cutting plane is
 /// removed.
+///
 /// Balls that cross the plane are drawn first, the larger before the smaller, then all others from front to
 /// back. As nothing lies in front of the plane, a tile is complete when all its pixels show the plane. A ball
 /// is skipped in a tile if it lies behind everything that the tile shows.

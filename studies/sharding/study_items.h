@@ -18,8 +18,9 @@ namespace osteon::studies {
 /// The items of a study, by their index. Each item is a piece of work with a result. This process computes
 /// all items, or the items of a shard, or reads all results from parts. A study handles an item in the same
 /// way in all three cases, so merged parts give the same result as a single run:
-/// if (items.FromParts()) result = items.Restore(i, FromJson);
-/// else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
+///
+///     if (items.FromParts()) result = items.Restore(i, FromJson);
+///     else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
 class StudyItems {
  public:
   /// @param inputs  everything that items depend on, as text: options, contents of files

@@ -24,7 +24,9 @@ struct ImpedanceArmParams {
 
 /// The arm's linear equation at a posture, with the wrench F on the tool, the Jacobian J and the equilibrium
 /// q_eq:
-/// inertia qdd + damping qd + stiffness (q - q_eq) = J^T F
+///
+///     inertia qdd + damping qd + stiffness (q - q_eq) = J^T F
+///
 /// The equations are those that dynamic_arm.h documents, computed from the chain's mass matrix and Jacobian.
 struct ImpedanceArm {
   Eigen::Matrix<double, 6, 7> J;  ///< of the tool, rows v (3) then w (3), in B

@@ -144,7 +144,9 @@ struct MeasuredLoopParams {
 };
 
 /// L(f) = law × hand × response, from 0.01 Hz to half of the sampling rate, evenly spaced in the logarithm:
-/// hand: (k + j w b - w^2 m) e^(-j w sensor delay)
+///
+///     hand: (k + j w b - w^2 m) e^(-j w sensor delay)
+///
 /// with the hand's stiffness k, damping b and mass m.
 [[nodiscard]] std::vector<NyquistPoint> NyquistCurve(const MeasuredPlant& response,
                                                      const MeasuredLoopParams& params);

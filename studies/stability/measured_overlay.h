@@ -19,9 +19,12 @@ struct MeasuredOverlayParams {
 
 /// The arm's seven joints as in the model, with a correction that makes the response along the measured axis
 /// equal to the measured one:
-/// C' = C + (G / h - a^T C a) (C a a^T C) / (a^T C a)^2
+///
+///     C' = C + (G / h - a^T C a) (C a a^T C) / (a^T C a)^2
+///
 /// with the model's compliance C of the joints, a = J^T axis, and the measured response G = x / f. The factor
 /// h stands for the delay and the zero-order hold of a sent force: G contains them, C' does not.
+///
 /// The loop is stable if det(I + C' D) does not encircle 0. D is the dynamic stiffness of the hand, the law,
 /// the wall, and the arm's own equilibrium, which follows the measured joints. Friction is included to the
 /// extent that the measured G contains it.

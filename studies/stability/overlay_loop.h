@@ -9,8 +9,9 @@
 
 // The loop of the impedance law: a hand holds an arm that compensates its own weight; a wrench or torques are
 // added to the arm's own impedance control.
-// hand ── k, b, m ── arm with masses, its own impedance ◀── dead time ◀── wall K, damping D of the law
-// └──────────── measured pose and its filtered velocity ────────────────────┘
+//
+//     hand ── k, b, m ── arm with masses, its own impedance ◀── dead time ◀── wall K, damping D of the law
+//      └──────────── measured pose and its filtered velocity ────────────────────┘
 
 namespace osteon::studies {
 

@@ -59,6 +59,7 @@ struct HandlePoint {
 
 /// Shakes the handle and measures the arm's true motion (not the commanded one), by a least-squares fit of
 /// bias, drift, sine and cosine over whole periods. Deterministic.
+///
 /// The hand exerts a given wrench and has no impedance of its own, so the result describes the cell alone.
 /// @throws std::invalid_argument if a parameter is out of range.
 [[nodiscard]] HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,

@@ -25,8 +25,10 @@ struct SingleContactFrame {
 };
 
 /// Baseline of the contact scenarios: the force of a god-object that considers one pair of balls at a time.
-/// P' = first contact on the path P ──▶ T (equation 3)     n = from bone ball to tool ball of that pair
-/// F = k (P' - T)    (1)                                   tau = (p_s - p_COM) x F    (2)
+///
+///     P' = first contact on the path P ──▶ T (equation 3)     n = from bone ball to tool ball of that pair
+///     F = k (P' - T)    (1)                                   tau = (p_s - p_COM) x F    (2)
+///
 /// with the proxy P of the frame before, the new proxy P', the hand's tool T, the stiffness k, the pair's
 /// contact point p_s and the tool's centre of mass p_COM. The proxy takes the tool's rotation: contact never
 /// blocks it. Nothing is cut; every pair is tested by plain loops. Sources: Kaluschke et al., IEEE VR 2019,

@@ -11,6 +11,7 @@ namespace osteon::studies {
 /// the swing after the first tap. Baseline: the force is computed beyond the wire. A missing force is held or
 /// replaced by zero; the better of the two methods, each in its worst case, is the baseline. Bound: 1, no
 /// growth.
+///
 /// A swing cannot grow if D > a_max K: the law's drag D is larger than the sum, over both wires, of the
 /// largest age a_max times the stiffness K (AgeMargin). Ours passes if it keeps the bound in every case that
 /// fulfils the condition, and at least three of four cases fulfil it. The baseline fails as expected if held
