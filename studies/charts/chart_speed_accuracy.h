@@ -62,7 +62,7 @@ inline constexpr std::array kChartFigures{ChartFigure::kDepth, ChartFigure::kVol
                                           ChartFigure::kNormal, ChartFigure::kRipple};
 [[nodiscard]] SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure);
 
-/// Which time of a point's frames counts [us].
+/// The frame time of a point that is compared [us].
 enum class ChartTime {
   kMedian,
   kWorst,  ///< the 99.9th percentile

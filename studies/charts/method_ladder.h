@@ -10,9 +10,9 @@
 
 namespace osteon::studies {
 
-/// One method at one fineness. Lengths are stated for a reamer of 25 mm; for a tool of radius R they are
-/// scaled by sqrt(R / 25 mm), since a smaller tool needs finer bone (the scenes scale about alike:
-/// acetabulum 1.5 mm, molar 0.3 mm).
+/// One method at one fineness. Lengths are stated for a reamer of 25 mm. For a tool of radius R they are
+/// scaled by sqrt(R / 25 mm), since a smaller tool needs finer bone (the spacings of the scenes scale
+/// similarly: acetabulum 1.5 mm, molar 0.3 mm).
 ///
 /// | method              | `length_m` is                                                       |
 /// |---------------------|---------------------------------------------------------------------|

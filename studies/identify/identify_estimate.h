@@ -32,7 +32,7 @@ namespace osteon::studies {
 [[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
     const std::vector<control::TickRecord>& ticks, double period_s);
 
-/// Fits the hand of each held run again, with two results of the free runs: whether the force sensor feels
+/// Fits the hand of each held run again, with two results of the free runs: whether the force sensor measures
 /// the tool's inertia, and by how much the arm's response differs from its model. The handle's motion may
 /// differ from the encoders' by the same amount, which limits the accuracy of the hand's fit.
 void UseFreeRuns(IdentifyResult& result);

@@ -58,7 +58,8 @@ tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig
   auto setup = session::PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
-  // Use only timings in closed form, since measured ones differ from machine to machine.
+  // Plan the packing by the closed forms alone, without measured frame times: the result is the same on every
+  // machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)

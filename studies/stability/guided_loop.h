@@ -25,7 +25,7 @@ struct GuidedLoopParams {
   hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
   double lever_m{0.1};                          ///< height of the hand above the apex
   double mass_kg{1.7}, damping_Ns_per_m{30.0};  ///< mass and damping of the virtual tool
-  /// Inertia and damping of its rotation, about the law's centre.
+  /// Inertia and damping of the virtual tool's rotation, about the law's centre.
   double inertia_kg_m2{0.15}, damping_Nms_per_rad{1.5};
   double centre_m{0.0};  ///< height of the law's centre above the apex
   hil::ServoArmParams arm;

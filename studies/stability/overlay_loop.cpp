@@ -182,7 +182,8 @@ class OverlayRun {
           Vector3(X_rest_.translation() - preload_N_ / params.wall.stiffness_N_per_m * feed_B);
     past_.assign(static_cast<std::size_t>(params.wall.age_ticks) + 1, X_rest_);
     sent_.assign(static_cast<std::size_t>(params.arm.dead_cycles) + 1, drive_);
-    // Let the arm settle under the wall's force for the dead time.
+    // Pass the dead time without the preload, so that the wall's force and the preload begin in the same tick
+    // and balance.
     for (int i = 0; i < params.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 

@@ -28,7 +28,7 @@ struct LawRideParams {
 /// The state after one millisecond.
 struct LawRideTick {
   Pose X_WT{Pose::Identity()};  ///< the tool's true pose
-  /// Pose of the tool's head relative to the moved bone, as the simulation gets it.
+  /// Pose of the tool's head in the world that moves with the bone, as the simulation gets it.
   Pose X_ME{Pose::Identity()};
   Pose X_WT_sim{Pose::Identity()};  ///< pose of the rigid tool to which that head belongs
   Vector3 f_coupling_N{Vector3::Zero()};

@@ -21,7 +21,7 @@ using kinematics::JointVector;
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
 // The hand presses within kPress_s, holds until kDrawBack_s, and draws back within kPress_s.
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
-// Deepest pose of the hand's limit, and range of the limit's resistance.
+// Depth limit: its bound below the wall's face, and the range before the bound in which it resists.
 constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;
 // Share of the requested force from which on the force counts as whole.
 constexpr double kWhole = 0.99;

@@ -10,8 +10,9 @@ namespace osteon::studies {
 /// the tool by 30 deg and lets go. Metric: speed of the released tool, as its travel in any second, at its
 /// origin or at a point 0.1 m from it. Baseline: no dead zone, and no bias estimate. Ours: the bias is
 /// estimated while the arm waits (control/sensing/bias_estimator.h), and a dead zone covers the remaining
-/// errors: 3 N of drift, 1 N of payload, and noise, together 5 N, or 1 N·m at the tool's lever. Bound: 1
-/// mm/s. In addition, a hand that pushes with a constant 10 N after the release still moves the tool.
+/// errors: 3 N of drift, 1 N of payload, and noise, together 5 N, and correspondingly 1 N·m at the tool's
+/// lever. Bound: 1 mm/s. In addition, a constant push of 10 N after the release must move the tool by more
+/// than 1 mm/s.
 [[nodiscard]] FailureResult RunSensorErrors(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -31,7 +31,7 @@ struct FailureScene {
 [[nodiscard]] std::span<const FailureScene> GuidanceScenes();  ///< guidance along a surgical plan
 [[nodiscard]] std::span<const FailureScene> ArmScenes();       ///< arm, sensor, hand and connections
 [[nodiscard]] std::span<const FailureScene> PlanScenes();      ///< a surgical plan and its assessment
-[[nodiscard]] std::span<const FailureScene> ComplianceScenes();  ///< tool, tissue and mount that give way
+[[nodiscard]] std::span<const FailureScene> ComplianceScenes();  ///< compliant tool, tissue and mount
 [[nodiscard]] std::span<const FailureScene> SequenceScenes();    ///< change of tool, undo, resume
 
 /// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.
