@@ -15,7 +15,8 @@ struct CalibrateOptions {
   std::filesystem::path cell;
   /// Recording: poses at rest with nobody at the handle; empty: no payload calibration.
   std::filesystem::path payload{};
-  std::filesystem::path pivot{};  ///< recording: poses at rest with the tool's tip on one point
+  /// Recording: poses at rest with the tool's tip on one point; empty: no calibration of the tip.
+  std::filesystem::path pivot{};
   std::filesystem::path out{"calibration.yaml"};
   std::filesystem::path json{};
   std::string command_line{};

@@ -13,7 +13,7 @@
 
 namespace osteon::studies {
 
-/// The result of one calibration; the standard deviations are those of the fits.
+/// The result of one calibration, with the standard deviations that the fits gave.
 struct CalibrationEntry {
   std::string time;  ///< UTC, "2026-11-28T09:30:00Z"
   struct Payload {
@@ -49,7 +49,7 @@ struct CalibrationEntry {
 [[nodiscard]] std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                                   const CalibrationEntry& now);
 
-/// The present time in the form of CalibrationEntry::time.
+/// The present time, in the form of CalibrationEntry::time.
 [[nodiscard]] std::string UtcNow();
 
 }  // namespace osteon::studies

@@ -38,7 +38,8 @@ ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, c
   for (int i = 0; i < 7; ++i) torque_limit_Nm_[i] = arm.joints[static_cast<std::size_t>(i)].limits.torque_Nm;
 }
 
-// Turning the base about A1's axis changes the gravity torques as turning A1 by the same angle would.
+// Computes the statics of a base that is turned about A1's axis. Such a turn changes the gravity torques in
+// the same way as a turn of A1 by the same angle.
 ArmForce::Statics ArmForce::ComputeStatics(const JointVector& q, double base_turn_rad) const {
   JointVector q_hanging = q;
   q_hanging[0] += base_turn_rad;

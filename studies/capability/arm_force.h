@@ -26,7 +26,7 @@ struct ToolForce {
   double factor{std::numeric_limits<double>::infinity()};
   /// Number of the joint that reaches its torque limit first, 0 … 6; -1: none does, the force is at its cap.
   int factor_joint{-1}, axial_joint{-1}, lateral_joint{-1};
-  /// Distance of the joint that is nearest to its position limit, and the number of this joint, 0 … 6.
+  /// Smallest distance of a joint from its position limits, and the number of this joint, 0 … 6.
   double joint_room_rad{std::numeric_limits<double>::infinity()};
   int room_joint{-1};
 

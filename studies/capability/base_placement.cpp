@@ -41,7 +41,8 @@ BasePlacement::BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix
       task_(task),
       params_(params) {}
 
-// Returns the base's pose whose x axis (A1 = 0) points toward the site, the middle of A1's range.
+// Returns the pose of a base at a place, turned so that its x axis (A1 = 0, the middle of A1's range) points
+// toward the site.
 Pose BasePlacement::Facing(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   const double turn = std::atan2(p_B_site.y(), p_B_site.x());
@@ -191,7 +192,7 @@ BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
   const double first_rad = DirectionOf(task_, figure.X_WB.translation());
   const auto solve = [&](const Pose& X_WT) { return arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad); };
 
-  // Of the base's configurations, take the one whose joints are nearest to zero at the task's start.
+  // Take the one of the base's configurations whose joints are nearest to zero at the task's start.
   const Pose X_WT_start = TiltCone(task_, task_.X_WC * Vector3(0.0, 0.0, task_.top_m), 0, 0.0).front();
   const kinematics::LbrSolutions start = solve(X_WT_start);
   std::size_t configuration = 0;

@@ -43,11 +43,11 @@ struct BasePlacementParams {
   int threads{2};
 };
 
-/// A base and its value.
+/// A pose of the base, and its value for the task.
 struct BaseFigure {
   Pose X_WB{Pose::Identity()};
   double arm_angle_rad{0.0};
-  unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
+  unsigned configurations{0};  ///< bit c: the whole task can be done in configuration c; 0: in none
   double factor{0.0};          ///< smallest share of the whole need that the arm holds over the task
 };
 
@@ -81,7 +81,7 @@ class BasePlacement {
  private:
   [[nodiscard]] Pose Facing(const Vector3& p_WB) const;
   [[nodiscard]] double TurnOf(const Pose& X_WB) const;
-  /// The figure's factor, lowered by moving_share_per_m for each metre from the present base.
+  /// The figure's factor, lowered by moving_share_per_m for each metre of distance from the present base.
   [[nodiscard]] double Score(const BaseFigure& figure) const;
   /// Whether the site is at least clearance_m from the base's axis.
   [[nodiscard]] bool Stands(const Vector3& p_WB) const;

@@ -114,8 +114,8 @@ BasePanel Cropped(const BasePanel& panel) {
   return cropped;
 }
 
-// Computes the guaranteed axial force for the bases of a plane through the best base: horizontal, or vertical
-// through site and best base.
+// Computes the axial force that the arm can hold over the task, for bases in a plane through the best base.
+// The plane is horizontal, or vertical through site and best base.
 BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
@@ -173,7 +173,7 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   return Cropped(panel);
 }
 
-// Searches the best base and maps the bases around it. On Ctrl-C, or if there is none, the result has no
+// Searches the best base and maps the bases around it. On Ctrl-C, or if no base is found, the result has no
 // base.
 void Search(const config::CellConfig& cell, const CapabilityOptions& options, base::PhaseProgress& progress,
             CapabilityResult& result) {

@@ -17,9 +17,11 @@ struct CapabilityOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"capability"};
   std::filesystem::path json{};  ///< a second copy of capability.json
-  /// Recording of a run: gives the lateral force that its tool needed; empty: the cell's limits.
+  /// Recording of a run, from which the lateral force that the tool needs is taken; empty: it follows from
+  /// the cell's limits.
   std::filesystem::path recording{};
-  std::filesystem::path identified{};  ///< a file of `osteon identify`; empty: as the cell says
+  /// A file of `osteon identify`; empty: the file that the cell names, if any.
+  std::filesystem::path identified{};
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};

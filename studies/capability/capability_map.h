@@ -14,7 +14,7 @@ namespace osteon::studies {
 
 /// Two section planes through the site's centre.
 enum class MapPlane : std::uint8_t {
-  kVertical,    ///< contains the base's axis: +x toward W's +x side, y along W's z
+  kVertical,    ///< contains the base's axis; the panel's x points toward W's +x side, its y along W's z
   kHorizontal,  ///< W's x and y, at the site's height
 };
 

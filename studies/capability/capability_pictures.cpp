@@ -56,7 +56,7 @@ report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   const Matrix3 R_CW = task.X_WC.linear().transpose();
   const Vector3 normal_C = R_CW * panel.u_W.cross(panel.v_W);
   if (std::abs(normal_C.z()) > 0.7) {
-    // plane across the axis: the rim, at the plane's height
+    // The panel's plane is across the cylinder's axis: draw the rim at the plane's height.
     for (int k = 0; k < kSides; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kSides;
       const Vector3 rim(task.radius_m * std::cos(angle), task.radius_m * std::sin(angle), 0.0);
@@ -64,7 +64,7 @@ report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
     }
     return outline;
   }
-  // plane along the axis: the two sides
+  // The panel's plane is along the cylinder's axis: draw the two sides.
   const Vector3 side = Vector3::UnitZ().cross(normal_C).normalized() * task.radius_m;
   for (const auto& [sign, height] :
        {std::pair{-1.0, task.bottom_m}, {1.0, task.bottom_m}, {1.0, task.top_m}, {-1.0, task.top_m}})

@@ -34,13 +34,13 @@ struct CapabilityResult {
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
   CapabilityMap::Task best_angle,
-      own_angle;   ///< forces from the present base, at the best arm angle and the cell's
+      own_angle;   ///< forces from the present base: at the best arm angle, and at the cell's arm angle
   int outside{0};  ///< number of the task's poses outside the cell's workspace, which are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
   bool searched{false};            ///< whether a better base was looked for
   std::optional<BaseFigure> base;  ///< the best base; nothing if none was searched for or found
-  ToolForce base_force;            ///< of the best base, over the task
+  ToolForce base_force;            ///< forces over the task from the best base
   std::vector<BasePanel> base_panels;
   /// Range of the forces that the cell renders truthfully; none: not computed.
   std::optional<Rendering> rendering{};

@@ -81,7 +81,8 @@ double GreatestWallOf(const TuneTask& task, const std::vector<hil::GridHand>& ha
   return max_stable_N_per_m;
 }
 
-// Fills in the drag and the walls that the cell asks for, and those with which its loop is stable.
+// Fills in the drag and wall that the cell's file states, the least drag and the stiffest wall with which the
+// loop is stable, and whether it is stable with the file's values.
 void FillLoop(const TuneTask& task, RenderedAxis& axis) {
   const std::vector<hil::GridHand> hands = HandsUpTo(task, task.human_grip_N_per_m);
   const TuneGains own{task.loop.mass_kg, task.loop.damping_Ns_per_m};
@@ -155,7 +156,7 @@ nlohmann::json JsonOf(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
 }
 
-// What is known of one axis, as one line.
+// The results for one axis, as one line.
 std::string AxisText(const RenderedAxis& axis) {
   std::string text = "lag " + Sourced(axis.lag_s, 1e-3, "ms");
   if (axis.felt_mass_kg) text += "; a force moves the arm as " + Sourced(*axis.felt_mass_kg, 1.0, "kg");

@@ -29,7 +29,8 @@ constexpr double kMaxAdded_us = 3.0;    // accepted increase of the loop's media
 constexpr double kNoticedShare = 0.07;  // smallest relative change of a force that a person notices
 constexpr double kPush_N = 20.0;        // mean of the force about which it is varied
 constexpr double kSettle_s = 4.0;       // time after which a displacement counts as at rest
-constexpr double kDecadeStep = 0.02;    // between frequencies [decades]: a mount's resonance is narrow
+// Distance of frequencies [decades]; small, since a mount's resonance is narrow.
+constexpr double kDecadeStep = 0.02;
 // Each compliant level, and the shipped cell that has only this level.
 constexpr std::array<std::pair<const char*, const char*>, 3> kCells{
     {{"tool", "long_drill"}, {"layer", "cartilage_cup"}, {"mount", "pelvis_mount"}}};
@@ -130,7 +131,7 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
   return rows;
 }
 
-// Picture: felt stiffness over the frequency, for each level.
+// Draws the stiffness that the hand feels over the frequency, for each level.
 std::string FeltSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Felt stiffness over the coupling's own",
                          .x_label = "frequency of a small motion about a push of 20 N [Hz]",
@@ -148,7 +149,7 @@ std::string FeltSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
-// Picture: displacement at rest over the force, for each level.
+// Draws the displacement at rest over the force, for each level.
 std::string GivesSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Displacement at rest",
                          .x_label = "force [N]",
@@ -166,7 +167,7 @@ std::string GivesSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
-// Picture: the loop's time for each level.
+// Draws the loop's time for each level.
 std::string CostSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
                          .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",

@@ -41,7 +41,7 @@ struct LevelChange {
 struct ComplianceChart {
   std::string machine;
   std::size_t ticks{0};
-  std::vector<LevelCost> costs;      ///< of cells/demo.yaml; the first is without any level
+  std::vector<LevelCost> costs;      ///< for cells/demo.yaml; the first entry is without any level
   std::vector<LevelChange> changes;  ///< one for each level
 };
 

@@ -185,7 +185,7 @@ class Scaling {
   const ScalingOptions& options_;
   StudyItems& items_;
   ScalingResult result_;
-  double brute_us_per_sphere_{0.0};  // of the last point without culling
+  double brute_us_per_sphere_{0.0};  // time per sphere at the last point without culling
   bool brute_refused_{false};        // the engine without culling doesn't run: its points are skipped
 };
 

@@ -92,7 +92,7 @@ class Measurement {
     std::string why_left_out{};
   };
 
-  // Stores what a seed has added to each rung for the part's file.
+  // Stores what a seed has added to each step of the ladder, for the part file.
   void Store(std::size_t seed) {
     nlohmann::json rungs = nlohmann::json::array();
     for (const Rung& rung : rungs_) {
@@ -234,7 +234,7 @@ class Measurement {
   const SpeedAccuracyOptions& options_;
   StudyItems& items_;
   std::vector<Rung> rungs_;
-  std::deque<Packing> packed_;  ///< for one seed; a deque, so that references stay valid
+  std::deque<Packing> packed_;  ///< packings of one seed; a deque, so that references stay valid
   std::size_t packed_seed_{0};
   SpeedAccuracyResult result_;
 };

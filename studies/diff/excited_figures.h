@@ -46,7 +46,7 @@ struct ExcitedFigures {
 /// One frequency of a response that both runs have, with the two values.
 struct LineDifference {
   RecordedResponse::Line first, second;
-  double accepted{0.0};  ///< |first - second| up to which the line is the same
+  double accepted{0.0};  ///< largest |first - second| with which the line counts as the same
   [[nodiscard]] bool differs() const { return !(std::abs(first.value - second.value) <= accepted); }
 };
 /// A response that both runs have, compared frequency by frequency.

@@ -108,7 +108,7 @@ void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, d
       only.push_back(fmt::format("the {} run was not estimated: {}", which, run->refused));
 }
 
-// The verdict's reason for a response that differs: how many lines, and the worst of them.
+// Describes a response that differs, for the verdict: how many lines differ, and which one the most.
 std::string ResponseText(const ResponseDifference& response) {
   const LineDifference& worst = response.worst();
   return fmt::format(

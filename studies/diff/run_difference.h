@@ -32,9 +32,10 @@ struct RunDifference {
   /// Whether every tick is equal to the bit, apart from the times that the machine took.
   bool identical{false};
   std::vector<FigureDifference> figures;
-  std::vector<std::string> only_first, only_second;  ///< names of faults that only one of the runs has
+  /// Names of the faults that only the first run has, and that only the second run has.
+  std::vector<std::string> only_first, only_second;
   std::vector<ConfigDifference> config;
-  std::vector<std::string> session;           ///< other differences: version, engine, …, one line each
+  std::vector<std::string> session;           ///< other differences (version, engine, …), one line each
   std::vector<ResponseDifference> responses;  ///< of two recordings of `osteon identify`; otherwise empty
 };
 

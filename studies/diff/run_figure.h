@@ -11,7 +11,7 @@ struct RunFigure {
   std::string unit;
   double value{0.0};
   double least_difference{0.0};  ///< smaller differences, and this one, never count
-  bool judged{true};             ///< false: a time that the machine took; shown, not judged
+  bool judged{true};             ///< false: a time that the machine took, which is shown but not judged
 };
 
 }  // namespace osteon::studies

@@ -15,8 +15,8 @@ constexpr double kDt_s = 1e-3;
 // Time at which the arm is handed over; above 0, since the ticks before it need time stamps, too.
 constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;
 
-// Source of the commanded joints. Receives the tick (below 0: the arm waits), the measured joints and the
-// wrench on the tool, and fills in its part of the tick's record.
+// Computes the commanded joints of a tick. It receives the tick (negative: the arm waits), the measured
+// joints and the wrench on the tool, and fills in its part of the tick's record.
 using Commander =
     std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
 

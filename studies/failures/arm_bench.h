@@ -18,10 +18,10 @@
 
 namespace osteon::studies {
 
-/// The hand's goal for the tool, by the time since the hand took hold.
+/// The hand's goal for the tool, as a function of the time since the hand took hold.
 struct HandGoal {
   Pose X_WT{Pose::Identity()};
-  Twist V_WT{};  ///< of the goal, in W
+  Twist V_WT{};  ///< velocity of the goal, in W
 };
 using HandPath = std::function<HandGoal(double time_s)>;
 
@@ -58,7 +58,7 @@ struct ArmScene {
 /// The state of one millisecond.
 struct ArmRideTick {
   kinematics::JointVector q, qd;  ///< commanded [rad], [rad/s]
-  Pose X_WT{Pose::Identity()};    ///< of the commanded joints
+  Pose X_WT{Pose::Identity()};    ///< pose of the tool at the commanded joints
   HandGoal goal;
   Vector3 f_hand_N{Vector3::Zero()};  ///< force of the hand on the tool
   bool fault{false};

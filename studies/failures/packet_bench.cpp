@@ -46,7 +46,7 @@ bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& valu
   }
   return came;
 }
-// Sends a message, byte by byte as it is in memory.
+// Sends a message as its bytes in memory.
 template <class T>
 void Send(hil::ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
   wire.Push({reinterpret_cast<const std::uint8_t*>(&value), sizeof value}, now);
@@ -96,7 +96,7 @@ double Swing(const std::vector<Vector3>& p_W_m, double from_s, double to_s) {
   return (high - low).norm();
 }
 
-// The controller: its knowledge of wall and hand, and the shipped law.
+// The controller, with the newest messages about wall and hand, and the shipped law.
 class Controller {
  public:
   explicit Controller(const PacketRideParams& params) : params_(params) {
@@ -189,7 +189,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
     const rt::Nanoseconds now = i * rt::kMillisecond;
     const double t_s = rt::ToSeconds(now);
 
-    // the simulation answers each new pose
+    // The simulation answers each new pose.
     const rt::Nanoseconds before = seen.stamp;
     ReceiveDue(pose, now, Keep::kNewest, seen);
     if (seen.stamp > before) {
@@ -204,7 +204,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
                  .stamp = now, .pose_stamp = seen.stamp, .f_W = Vector3(push_N * Vector3(contact.n_W))});
     }
 
-    // the arm has reached its command, and the sensor reads every period
+    // The arm is at the newest command that it received; the sensor measures in every period.
     ReceiveDue(command, now, Keep::kNewest, commanded);
     if (commanded.stamp >= 0) {
       const Vector3 spring = params.hand_N_per_m * (p_held - Vector3(commanded.p_W_m));

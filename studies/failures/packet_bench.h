@@ -43,7 +43,7 @@ struct PacketRide {
   std::vector<Vector3> p_W_m;  ///< position of the tool in each tick
   double tap_m{0.0};           ///< swing in the half second after the first tap
   double end_m{0.0};           ///< swing in the last half second
-  double wall_age_s{0.0};      ///< largest age of the pose that the wall's answer was computed from
+  double wall_age_s{0.0};      ///< largest age of the pose for which the wall's answer was computed
   double hand_age_s{0.0};      ///< largest age of the hand's force
   double max_wall_N{0.0};      ///< largest force of the wall
 

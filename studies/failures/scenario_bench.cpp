@@ -53,7 +53,7 @@ simulation::Tool MakeBallTool(double radius_m) {
 
 Pose Downwards(const Vector3& p_m) {
   Pose X = Pose::Identity();
-  // half a turn about x: the tool's z axis, its feed, points to -z
+  // half a turn about x, so that the feed, the tool's z axis, points to -z
   X.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
   X.translation() = p_m;
   return X;

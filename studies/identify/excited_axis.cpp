@@ -85,7 +85,7 @@ control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vecto
   return overlay;
 }
 
-// Difference of the arm's sequence numbers in two consecutive messages.
+// Difference of the arm's sequence numbers between two consecutive messages.
 int SequenceStep(const config::CellConfig& cell) {
   const io::RsiSessionParams* rsi = cell.link.rsi();
   return rsi ? rsi->ipoc_step : 1;
@@ -153,7 +153,7 @@ tl::expected<void, std::string> AimAlongAxis(const Jacobian& J, control::Excited
   return {};
 }
 
-// Sets the motion to that of one joint. @param joint  1 … kJoints
+// Sets the motion to that of one joint alone. @param joint  1 … kJoints
 void AimAtJoint(int joint, control::ExcitedHoldParams& hold) {
   hold.joint = joint - 1;
   hold.direction[static_cast<std::size_t>(hold.joint)] = 1.0;

@@ -42,8 +42,8 @@ inline constexpr double kMaxJointTravel_rad = 0.0174532925199433;  // 1 deg
 /// The excited axis of a cell at the cell's start, or the excited joint, with the motion of the joints.
 struct ExcitedAxis {
   control::ExcitedHoldParams hold;
-  Vector3 axis_S{Vector3::UnitZ()};  ///< the same axis in the force sensor's frame
-  Vector3 axis_T{Vector3::UnitZ()};  ///< the same axis in the tool's frame
+  Vector3 axis_S{Vector3::UnitZ()};  ///< direction of the axis in the force sensor's frame
+  Vector3 axis_T{Vector3::UnitZ()};  ///< direction of the axis in the tool's frame
   control::JointArray q_start{};
 };
 

@@ -39,7 +39,7 @@ struct HandFitOptions {
   /// Minimum standard deviation of a line, as a share of its size. No hand is exactly a spring, a damper and
   /// a mass, and no handle moves exactly as the encoders say.
   double accuracy{0.01};
-  std::optional<double> delay_s{};  ///< delay of the sensor, if known; none: it is fitted
+  std::optional<double> delay_s{};  ///< delay of the force sensor, if known; none: the delay is fitted
 };
 
 /// Impedance of a hand that holds the handle.

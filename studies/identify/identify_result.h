@@ -22,10 +22,10 @@ namespace osteon::studies {
 /// One finding: a reason why a result is not written, or a warning for the user.
 struct Finding {
   std::string where;  ///< "free run, z at 50 mm/s"
-  std::string what;   ///< the value found, the value accepted, and what to do
+  std::string what;   ///< the value that was found, the value that is accepted, and what to do
 };
 
-/// The hand within one counted period of 4 s.
+/// The stiffness of the hand within one counted period of 4 s.
 struct HandWindow {
   double from_s{0.0};  ///< start, in seconds of counted periods since the first counted period began
   Estimate stiffness_N_per_m{};
@@ -45,7 +45,7 @@ struct AxisResult {
   std::optional<ToolForceFit> tool{};
   std::string no_tool{};  ///< why `tool` has no value
   std::optional<HandFit> hand{};
-  std::optional<MeasuredResponse> force_over_command{};  ///< of a held run: F / q_cmd [N/m]
+  std::optional<MeasuredResponse> force_over_command{};  ///< for a held run: F / q_cmd [N/m]
   std::vector<HandWindow> hand_windows{};                ///< the hand over time
   /// Effective mass of the arm for the hand's force; of a held run.
   std::optional<Estimate> felt_mass_kg{};
@@ -80,7 +80,8 @@ struct IdentifyResult {
   control::Law law{control::Law::kAdmittance};  ///< law of the cell
   double tool_mass_kg{0.0};                     ///< as the cell's file or calibration says
   std::vector<AxisResult> axes;
-  std::vector<AxisResult> joints{};  ///< joints moved alone: response by the joint's encoder, and the fit
+  /// Joints that were moved alone: response by the joint's encoder, and the fit.
+  std::vector<AxisResult> joints{};
   std::optional<ForceNoise> noise{};
   std::optional<HandTremor> tremor{};
   std::vector<PassiveLag> passive{};

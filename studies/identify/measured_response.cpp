@@ -202,7 +202,7 @@ class PeriodFit {
 struct DrawLine {
   Complex H;
   double output_variance{0.0};  // variance of a period's output: of its real or imaginary part
-  double input_power{0.0};      // sum |U|^2 over its periods
+  double input_power{0.0};      // sum of |U|^2 over the draw's periods
 };
 
 // The response H of one draw at one line, by least squares over the draw's periods: H = sum Y U* / sum |U|^2,

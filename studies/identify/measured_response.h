@@ -37,8 +37,8 @@ struct ResponseLine {
   double noise_sd{0.0};
   /// The larger of noise_sd and the standard deviation by the differences of the draws.
   double sd{0.0};
-  double coherence{1.0};       ///< of a single period, by noise alone, 0 … 1
-  double draw_coherence{1.0};  ///< of a single draw, including the draws' differences, 0 … 1
+  double coherence{1.0};       ///< coherence of a single period, by noise alone, 0 … 1
+  double draw_coherence{1.0};  ///< coherence of a single draw, including the draws' differences, 0 … 1
 };
 
 /// A response from one signal of a run to another.

@@ -15,7 +15,7 @@ struct KillTableOptions {
   int times{20};                      ///< number of trials for each victim
   std::vector<KillVictim> victims{};  ///< empty: all
   std::filesystem::path json{};       ///< empty: none
-  std::string engine{"auto"};         ///< one that `osteon run` accepts
+  std::string engine{"auto"};         ///< an engine that `osteon run` accepts
   std::string device{};               ///< part of a Vulkan device's name; empty: the default device
 };
 

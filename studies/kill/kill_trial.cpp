@@ -66,7 +66,7 @@ class Trial {
     parts_.UseCell(IsEngine(victim) ? EngineCell(params.cell) : params.cell);
   }
 
-  /// Starts all processes and waits for full contact. False if it was not reached.
+  /// Starts all processes and waits for full contact. Returns false if full contact was not reached.
   bool ReachFullContact() {
     cell_ = parts_.Start("cell", {"--trace", "trace.csv", "--json", "cell.json", "--console", "off"});
     if (!parts_.AwaitReady("cell", *cell_)) return false;
@@ -80,7 +80,7 @@ class Trial {
            IsInFullContact() && !run_->Ended();
   }
 
-  /// Kills the victim. @returns an empty string, or why it could not.
+  /// Kills the victim. @returns why it could not be killed; empty: it was killed
   std::string Kill(KillVictim victim) {
     switch (victim) {
       case KillVictim::kController:

@@ -34,8 +34,8 @@ struct KillTrialParams {
   double push_N{0.0};            ///< force with which the cell's hand presses
   double limit_N{0.0};           ///< limit of the hand's force and of the coupling's
   std::filesystem::path folder;  ///< existing folder for the files of the processes
-  std::string engine{"auto"};    ///< one that `osteon run` accepts
-  std::string device{};          ///< part of a Vulkan device's name
+  std::string engine{"auto"};    ///< an engine that `osteon run` accepts
+  std::string device{};          ///< part of a Vulkan device's name; empty: the default device
   std::function<bool()> stop{};  ///< polled now and then; true ends the trial early
 };
 
@@ -45,7 +45,7 @@ struct KillResult {
   KillVictim victim{KillVictim::kController};
   double hand_at_kill_N{0.0};  ///< force of the hand in the last cycle before the kill
   bool at_rest{false};         ///< whether the tool was at rest when the trial ended
-  double rest_ms{0.0};         ///< from the kill to the last motion of the tool
+  double rest_ms{0.0};         ///< time from the kill to the last motion of the tool
   double distance_m{0.0};      ///< greatest distance of the apex from its place at the kill
   double hand_N{0.0};          ///< the hand's greatest force, before and after the kill
   /// The controller's greatest rendered force, until its recording ends.

@@ -28,11 +28,12 @@ struct PackResult {
   int threads{0};
   std::string zone{};  ///< description of the cut zone
   simulation::MassPointParams point_params{};
-  simulation::MassProperties mass{};  ///< of the mass points, with their materials
-  /// The same points with every material at 1000 kg/m³.
+  simulation::MassProperties mass{};  ///< mass properties of the mass points, with their materials
+  /// Mass properties of the same points if every material had 1000 kg/m³.
   std::optional<simulation::MassProperties> even_points{};
-  std::optional<simulation::MassProperties> even_solid{};  ///< of the solid at 1000 kg/m³, in closed form
-  double seconds{0.0};                                     ///< time of the packing itself
+  /// Mass properties of the solid with 1000 kg/m³, in closed form.
+  std::optional<simulation::MassProperties> even_solid{};
+  double seconds{0.0};  ///< time of the packing itself
   std::vector<base::PhaseProgress::Phase> phases{};
   std::vector<std::filesystem::path> outputs{};
 };

@@ -24,7 +24,7 @@ struct RegressOptions {
   bool all{false};                           ///< permits an update without named scenarios: all are updated
   bool exact{false};                         ///< true: any differing bit is a failure
   int jobs{0};                               ///< number of scenarios in parallel; 0: one per core
-  std::string device;                        ///< part of a Vulkan device's name
+  std::string device;                        ///< part of a Vulkan device's name; empty: the default device
   std::vector<std::string> set;              ///< KEY=VALUE, overrides every scenario's cell
   std::string command_line;
   Sharding sharding{};
@@ -35,7 +35,7 @@ struct RegressResult {
   config::ScenarioConfig scenario;
   std::string error;  ///< why there is no run, or no golden trace to compare with; empty: there are both
   std::optional<ScenarioRun> run;
-  std::optional<Golden> golden;  ///< as it was before an update
+  std::optional<Golden> golden;  ///< the golden trace as it was before an update
   TraceDifference difference;    ///< valid if there are both a run and a golden trace
   /// Explanation of a difference in a few lines, the most informative first; empty if all bits are the same.
   std::vector<std::string> explained;

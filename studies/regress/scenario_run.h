@@ -16,8 +16,9 @@ namespace osteon::studies {
 
 /// Settings of a run that are not part of its scenario.
 struct ScenarioRunParams {
-  std::string device{};            ///< part of a Vulkan device's name
-  std::vector<std::string> set{};  ///< KEY=VALUE each, overrides every scenario's cell (Overlay::Set)
+  std::string device{};  ///< part of a Vulkan device's name; empty: the default device
+  /// Assignments KEY=VALUE that override values of every scenario's cell (Overlay::Set).
+  std::vector<std::string> set{};
   const std::atomic<bool>* stop{nullptr};
   /// Time for which the arm is still recorded after it has come to rest. 0: the trace ends with the last
   /// commanded motion, although the measured arm completes this motion about 0.1 s later.

@@ -96,7 +96,7 @@ std::string DifferenceFrom(const Part& first, const Part& part) {
 
 namespace {
 
-// A part's JSON without the digest, which is computed from this text.
+// The JSON of a part without its digest. The digest is computed from this text.
 nlohmann::ordered_json WithoutDigest(const Part& part) {
   nlohmann::ordered_json json{
       {"schema", kPartSchema},

@@ -32,7 +32,8 @@ inline constexpr int kMaxShards = 10'000;
 struct Sharding {
   /// If set, only the items of this shard are computed, and written to a part file.
   std::optional<Shard> shard{};
-  const PartSet* parts{nullptr};  ///< if not null, the items come from these parts; none is computed
+  /// If not null, all results are read from these parts, and nothing is computed.
+  const PartSet* parts{nullptr};
   /// Words of the command line after the program's name; a part stores them.
   std::vector<std::string> words{};
 };

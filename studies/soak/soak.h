@@ -69,7 +69,7 @@ inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 /// Growth of the memory [MB]; 0 with fewer than eight episodes.
 [[nodiscard]] double MemoryGrowth_MB(std::span<const EpisodeResult> episodes);
 
-/// Runs episodes until they have simulated options.hours. @param done  called after each episode
+/// Runs episodes until options.hours of virtual time have passed. @param done  called after each episode
 /// @returns an error if an episode could not be run at all.
 [[nodiscard]] tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
     const SoakOptions& options, const std::atomic<bool>* stop,

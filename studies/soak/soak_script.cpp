@@ -25,7 +25,7 @@ std::string SilenceOverride(const char* wire, const char* direction, double from
 
 // Draws the times of the kind's faults or pause, and adds the faults or the pause to the episode.
 void AddFaults(Episode& episode, SeededDraws& draws) {
-  constexpr double kForEver_s = 80000.0;  // beyond the end of every episode
+  constexpr double kForEver_s = 80000.0;  // a time after the end of every episode
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:

@@ -24,7 +24,7 @@ inline constexpr int kEpisodeKinds = 9;
 [[nodiscard]] std::string_view NameOf(EpisodeKind kind);
 /// The fault that the kind injects, by the name that a summary gives it; empty: none.
 [[nodiscard]] std::string_view InjectedFault(EpisodeKind kind);
-/// Whether the kind's fault ends the run before its time.
+/// Whether the kind's fault ends the run early.
 [[nodiscard]] bool EndsWithFault(EpisodeKind kind);
 
 /// One episode of a soak in virtual time: a run of the reaming scenario with some overrides.

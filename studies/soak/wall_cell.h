@@ -102,7 +102,7 @@ class WallCell {
   rt::CpuWatch cpus_{90};  // its real-time priority is above those of the servo loop and of the simulated arm
   int life_{-1};           // index of the CellLife whose cell runs
   bool needs_new_cell_{false};
-  std::size_t pause_{0};  // the next pause of the script
+  std::size_t pause_{0};  // index of the script's next pause
   // changed_: the next tool was taken in this pause, or none is to be taken
   bool pausing_{false}, changed_{false};
   double resume_at_s_{0.0};  // time at which the pause ends, on this process's clock

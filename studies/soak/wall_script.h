@@ -30,7 +30,7 @@ struct CellLife {
   double loss_ratio{0.0};      ///< share of the arm's datagrams that are lost, in each direction
   bool engine_process{false};  ///< the engine is a process of its own
   bool plan{false};            ///< the operator's hand follows the plan
-  double seconds{0.0};         ///< length of the operator's script
+  double seconds{0.0};         ///< duration of the operator's script
 };
 
 /// A pause. Its begin is measured in the time of rendering.
@@ -46,7 +46,7 @@ struct WallEpisode {
   WallEvent event{WallEvent::kReaming};
   double seconds{0.0};              ///< time of rendering
   double at_s{0.0};                 ///< time of rendering after which a kill or a halt takes place
-  double halt_s{0.0};               ///< length of a halt
+  double halt_s{0.0};               ///< duration of a halt
   bool in_contact{false};           ///< for a kill: the tool is in the bone
   std::vector<WallPause> pauses{};  ///< in the order of time
   bool ends_life{false};            ///< cell and guard end after this episode

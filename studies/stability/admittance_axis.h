@@ -16,7 +16,8 @@ namespace osteon::studies {
 /// matrix of hil::AdmittanceLoop leaves out.
 struct AdmittanceRunParams {
   hil::AdmittanceLoopParams loop;
-  double preload_N{60.0};     ///< force of the hand on the wall; without a wall there is no preload
+  /// Force with which the hand presses on the wall; without a wall there is no preload.
+  double preload_N{60.0};
   double kick_m_per_s{1e-4};  ///< initial velocity of the virtual tool
   double command_loss{0.0};   ///< share of lost commands; the arm then keeps the last command that it got
   int command_jitter{0};      ///< largest additional delay of a command [ticks]; commands stay in order

@@ -17,8 +17,9 @@ struct GripRun {
   bool valid{true};  ///< false: the law refused its input
 };
 
-/// Runs AdmittanceAxis for params.seconds (at least 2 s), with the kick of `params`.
-/// @throws std::invalid_argument on a parameter out of range.
+/// Runs AdmittanceAxis for params.seconds (at least 2 s); the motion starts with the initial velocity of
+/// `params`.
+/// @throws std::invalid_argument if a parameter is out of range.
 [[nodiscard]] GripRun RunGrip(const AdmittanceRunParams& params);
 
 }  // namespace osteon::studies

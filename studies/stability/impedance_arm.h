@@ -29,7 +29,7 @@ struct ImpedanceArmParams {
 ///
 /// The equations are those that dynamic_arm.h documents, computed from the chain's mass matrix and Jacobian.
 struct ImpedanceArm {
-  Eigen::Matrix<double, 6, 7> J;  ///< of the tool, rows v (3) then w (3), in B
+  Eigen::Matrix<double, 6, 7> J;  ///< Jacobian of the tool, in B; rows of v (3), then of w (3)
   Eigen::Matrix<double, 7, 7> inertia, damping, stiffness;
 };
 /// Computes the matrices. @param mass_ratio  factor on all masses of the chain; > 0

@@ -76,7 +76,7 @@ class MeasuredPlant {
 
  private:
   struct Ratio {
-    double octave{0.0};  // log2 of the frequency
+    double octave{0.0};  // binary logarithm of the frequency
     double hz{0.0};
     std::complex<double> value;
     double weight{0.0};

@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kProgressLines = 20;  // maximum number of printed lines of progress
 
-// A run's parameters: the overrides of --set, then the sweep's values of this run.
+// Returns a run's parameters: the overrides of --set, then the sweep's values for this run.
 ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run,
                            const SweepOptions& options) {
   ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &base::Interrupted()};

@@ -15,7 +15,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 4e-3;  // of the tool
+constexpr double kRadius_m = 4e-3;  // radius of the tool
 
 /// The hand's pose: down, then along a figure of eight.
 Pose HandAt(int frame, int frames) {
@@ -90,7 +90,7 @@ Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simul
                   const simulation::CarvedState& reference_state, int frames) {
   Agreement agreement;
   for (std::size_t i = 1; i < ours.size(); ++i) {
-    const Vector3 way =  // from the proxy of the frame before to the hand
+    const Vector3 way =  // from the proxy of the previous frame to the hand
         Pose(HandAt(static_cast<int>(i), frames)).translation() - Pose(reference[i - 1].X_WP).translation();
     agreement.contact_mm =
         std::max(agreement.contact_mm,

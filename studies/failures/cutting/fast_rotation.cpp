@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadius_m = 2e-3, kStall_s = 0.1;  // radius of the ball; length of the frame
 
-// The tool turned about z through its origin, the pivot.
+// The pose of the tool, turned about z through its origin (the pivot).
 Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(Vector3(0, 0, angle_rad));

@@ -15,7 +15,7 @@ namespace {
 constexpr double kLength_m = 24e-3;    // length of the block along x
 constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn as this value
 
-/// A tool's radius, its feed, and the rate of frames.
+/// The radius of a tool, its feed, and the rate of frames.
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
 };
@@ -41,7 +41,7 @@ void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vecto
   at(Pose(model.X_WP).translation());
 }
 
-/// Judged results of one slot.
+/// Judged results of milling one slot.
 struct Outcome {
   double residue_m{0.0};  ///< how deep the remaining balls reach into the sweep
   double behind_m{0.0};   ///< largest distance of the proxy from the hand at the end of a frame

@@ -50,7 +50,7 @@ Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   return Vector3(0, 0, (x < 0.0 ? 2e3 : 20e3) * -apex.z());
 }
 
-// Work that the hand gains, by the trapezoidal rule.
+// Sums the work that the hand gains, by the trapezoidal rule.
 class HandWork {
  public:
   void Add(const Vector3& p, const Vector3& f) {
@@ -97,7 +97,7 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
   const int cycles = setting.full() ? 20 : 2;
   bool complete = true;
   double crossing_ms = 0.0;  // time at which the tool passes the border
-  double last_off_ms = 0.0;  // when the force last differed by more than 5 % from its final value
+  double last_off_ms = 0.0;  // last time at which the force differed by more than 5 % from its final value
   const double final_N = 20e3 * kDepth_m;
   for (int i = 0; i <= cycles * kCycle && complete; ++i) {
     const Vector3 p = HandPosition(i);

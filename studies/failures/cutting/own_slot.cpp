@@ -12,7 +12,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3;  // radii
-constexpr double kDepth_m = 4e-3;                     // of the slot
+constexpr double kDepth_m = 4e-3;                     // depth of the slot
 constexpr double kTilt_rad = 0.22;
 
 // The tool's pose at the slot's end, tilted about its head's centre, and raised by up_m.

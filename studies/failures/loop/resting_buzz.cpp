@@ -41,7 +41,7 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   params.hand = hil::OperatorWith({"firm", 500.0, 20.0, 1.5});
-  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide the vibration
+  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // without a lag, which would hide the vibration
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
   // the depth reaction needs a depth in bone, which a bare force has not; so yield instead
