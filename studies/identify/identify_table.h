@@ -49,9 +49,9 @@ struct TableRow {
   SyntheticRun run;
   double seconds{0.0};
   TableFigure hz{}, damping_ratio{}, dead_time_ms{}, lag_ms{};
-  /// Predictions with the estimated arm for a virtual tool of 3 kg: the least stable drag with a hand of 3
-  /// kN/m, and the stiffest stable wall with a firm hand (500 N/m) and a drag of 20 N s/m. A wall of 1e6
-  /// means at least 1e6. The drag is infinite if none up to 3000 N s/m is stable.
+  /// Predictions with the estimated arm for a virtual tool of 3 kg. Drag: the least stable one with a hand of
+  /// 3 kN/m; infinite if none up to 3000 N s/m is stable. Wall: the stiffest stable one with a firm hand (500
+  /// N/m) and a drag of 20 N s/m; 1e6 means at least 1e6.
   TableFigure least_drag_Ns_per_m{}, greatest_wall_N_per_m{};
   int failed{0};  ///< seeds without a fit
 };

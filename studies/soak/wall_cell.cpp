@@ -25,8 +25,7 @@ namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock;
 
-// Time limit from SIGTERM to a process's end. Time limits are generous, so that a busy machine does not
-// decide the outcome.
+// Time limits are generous, so that a busy machine does not decide the outcome.
 constexpr seconds kEnd{90};  // from SIGTERM to a process's end
 // Time limit of an episode: this ratio × its time of rendering, plus these seconds.
 constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;

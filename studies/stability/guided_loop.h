@@ -20,7 +20,7 @@ namespace osteon::studies {
 /// Pose from which the guidance is computed.
 enum class GuidanceOn { kCommanded, kMeasured };
 
-/// Parameters of the loop. The defaults are the values of the tables in docs/theory/guidance.md.
+/// Parameters of the loop. The defaults are those of the loop in docs/theory/guidance.md.
 struct GuidedLoopParams {
   hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
   double lever_m{0.1};                          ///< height of the hand above the apex
