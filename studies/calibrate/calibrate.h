@@ -15,24 +15,25 @@ struct CalibrateOptions {
   std::filesystem::path cell;
   /// Recording: poses at rest with nobody at the handle; empty: no payload calibration.
   std::filesystem::path payload{};
-  std::filesystem::path pivot{};  ///< recording: poses at rest with the tool's tip on one point
+  /// Recording: poses at rest with the tool's tip on one point; empty: no calibration of the tip.
+  std::filesystem::path pivot{};
   std::filesystem::path out{"calibration.yaml"};
   std::filesystem::path json{};
   std::string command_line{};
 };
 
-/// One rest of the arm within a recording.
+/// A period of a recording in which the arm rests in one posture.
 struct RestingPose {
   double begin_s{0.0}, seconds{0.0};  ///< since the recording's first tick
   std::array<double, 7> q{};          ///< mean [rad]
   Wrench F_S;                         ///< mean reading of the force sensor
-  int visits{1};                      ///< rests at this posture
+  int visits{1};                      ///< number of rests in this posture
   double repeat_N{0.0};               ///< largest difference of the mean force between two of these rests
 };
 
-/// Finds the periods in which no joint moves by more than 0.5 mrad for half a second; the first 0.2 s of each
-/// are left out. Postures that differ by less than 20 mrad in every joint count once, with the longer period.
-/// A tick without a fresh sensor reading (20 ms) ends a rest.
+/// Finds the periods of at least half a second in which no joint moves by more than 0.5 mrad; leaves out the
+/// first 0.2 s of each. A tick whose sensor reading is older than 20 ms ends a rest. Rests whose postures
+/// differ by less than 20 mrad in every joint are merged into one, which keeps the values of the longest.
 [[nodiscard]] std::vector<RestingPose> FindRestingPoses(const std::vector<control::TickRecord>& ticks);
 
 /// Runs `osteon calibrate CELL.yaml`: identifies the load on the flange from recorded poses. Prints a table

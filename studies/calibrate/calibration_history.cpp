@@ -12,10 +12,11 @@
 namespace osteon::studies {
 namespace {
 
-// A difference counts as drift only above these values, and above kSds standard deviations of both fits.
+// A difference counts as drift if it exceeds both the value here for its quantity, and kSds times the
+// combined standard deviation of the two fits.
 constexpr double kMass_kg = 0.02, kCenter_m = 1e-3, kBias_N = 0.5, kApex_m = 1e-4, kSds = 3.0;
 
-// The coordinates of a vector in a unit, and back.
+// Writes a vector's coordinates as a JSON array in a unit, and reads them back.
 nlohmann::ordered_json InUnit(const Vector3& v, double unit) {
   return nlohmann::ordered_json::array({v.x() / unit, v.y() / unit, v.z() / unit});
 }
@@ -60,7 +61,7 @@ CalibrationEntry EntryFrom(const nlohmann::json& json) {
   return entry;
 }
 
-// Whether a difference counts as drift: above `floor`, and above what both standard deviations explain.
+// Whether a difference counts as drift: above `floor`, and above kSds times the combined standard deviation.
 bool Differs(double difference, double floor, double sd_a, double sd_b) {
   return difference > floor && difference > kSds * std::hypot(sd_a, sd_b);
 }
@@ -125,12 +126,12 @@ tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
 
 std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                     const CalibrationEntry& now) {
-  // The first entry in a range that has the member.
+  // Finds the first entry of a range that has the member (payload or apex).
   const auto find = [&](auto begin, auto end, auto member) {
     return std::find_if(begin, end, [&](const CalibrationEntry& e) { return (e.*member).has_value(); });
   };
   std::vector<std::string> drift;
-  // Compares one member with its latest earlier value, and with its first if that is another one.
+  // Compares one member with its latest earlier value, and with its first value if that is an older one.
   const auto compare = [&](auto member) {
     const auto first = find(history.begin(), history.end(), member);
     if (first == history.end() || !(now.*member)) return;

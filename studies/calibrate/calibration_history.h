@@ -13,7 +13,7 @@
 
 namespace osteon::studies {
 
-/// The result of one calibration; the standard deviations are those of the fits.
+/// The result of one calibration, with the standard deviations that the fits gave.
 struct CalibrationEntry {
   std::string time;  ///< UTC, "2026-11-28T09:30:00Z"
   struct Payload {
@@ -34,22 +34,22 @@ struct CalibrationEntry {
 /// The history's file beside an overlay: my_calibration.yaml has my_calibration.history.jsonl.
 [[nodiscard]] std::filesystem::path HistoryFile(const std::filesystem::path& overlay);
 
-/// Reads a history with one JSON object per line; empty if there is no file. The error names file, line and
-/// what is accepted.
+/// Reads a history with one JSON object per line; empty if there is no file. The error names the file, the
+/// line and what is accepted.
 [[nodiscard]] tl::expected<std::vector<CalibrationEntry>, std::string> ReadHistory(
     const std::filesystem::path& file);
 
-/// Appends an entry. Nothing that the file holds is changed. The error names the file.
+/// Appends an entry; the earlier lines stay as they are. The error names the file.
 [[nodiscard]] tl::expected<void, std::string> AppendHistory(const std::filesystem::path& file,
                                                             const CalibrationEntry& entry);
 
-/// Describes in sentences each quantity that differs from its latest or from its first earlier calibration by
-/// more than both fits explain: over three standard deviations, and over 20 g of mass, 1 mm of the centre,
-/// 0.5 N of bias or 0.1 mm of the apex.
+/// Returns a sentence for each quantity that has drifted since its latest or since its first earlier
+/// calibration. A quantity has drifted if it differs by more than three combined standard deviations of both
+/// fits, and by more than 20 g of mass, 1 mm of the centre, 0.5 N of bias or 0.1 mm of the apex.
 [[nodiscard]] std::vector<std::string> DriftSince(const std::vector<CalibrationEntry>& history,
                                                   const CalibrationEntry& now);
 
-/// The present time in the form of CalibrationEntry::time.
+/// The present time, in the form of CalibrationEntry::time.
 [[nodiscard]] std::string UtcNow();
 
 }  // namespace osteon::studies

@@ -10,7 +10,7 @@ using kinematics::ForceCapability;
 using kinematics::GravityHelp;
 using kinematics::JointVector;
 
-// Replaces the value and its tag if the other value is less.
+// Replaces `value` and `tag` by the other value and its tag if the other value is smaller.
 template <typename Tag>
 void KeepLesser(double& value, Tag& tag, double other, Tag other_tag) {
   if (!(other < value)) return;
@@ -38,7 +38,8 @@ ArmForce::ArmForce(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, c
   for (int i = 0; i < 7; ++i) torque_limit_Nm_[i] = arm.joints[static_cast<std::size_t>(i)].limits.torque_Nm;
 }
 
-// Turning the base about A1's axis changes the gravity torques as turning A1 by the same angle would.
+// Computes the statics of a base that is turned about A1's axis. Such a turn changes the gravity torques in
+// the same way as a turn of A1 by the same angle.
 ArmForce::Statics ArmForce::ComputeStatics(const JointVector& q, double base_turn_rad) const {
   JointVector q_hanging = q;
   q_hanging[0] += base_turn_rad;
@@ -70,7 +71,8 @@ ToolForce ArmForce::ForceAt(const JointVector& q, double base_turn_rad) const {
       .axial_N = axial.value,
       .lateral_N = lateral.value,
       .pressed_lateral_N = cautious.LateralForce(statics.axis_B, need_.axial_N, need_.torque_Nm).value,
-      // the arm resists the hand as bone resists the tool: with a force that points away from the bone
+      // With gravity's help: the arm resists the hand as bone resists the tool, by a force that points away
+      // from the bone.
       .axial_exact_N = exact.Force(-statics.axis_B).value,
       .factor = factor.value,
       .factor_joint = factor.joint,
@@ -85,7 +87,8 @@ ToolForce ArmForce::ForceAt(const JointVector& q, double base_turn_rad) const {
 }
 
 ArmForce::ElbowAndWrist ArmForce::ElbowAndWristAt(const JointVector& q) const {
-  // computed from the wrist back: an arm's file may place a joint's origin anywhere along the joint's axis
+  // Start at the wrist and go back to the elbow: an arm's file may place a joint's origin anywhere along the
+  // joint's axis.
   const auto posture = chain_.ComputePosture(q);
   const Vector3 p_B_wrist = posture.X_BF * Vector3(0.0, 0.0, -lbr_.wrist_to_flange_m);
   return {.p_B_elbow = p_B_wrist - lbr_.elbow_to_wrist_m * posture.axis_B(4), .p_B_wrist = p_B_wrist};

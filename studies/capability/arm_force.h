@@ -10,7 +10,8 @@
 namespace osteon::studies {
 
 /// The forces at the tool's apex that an arm can hold in one posture, or the smallest over several postures
-/// [N]. Help from gravity counts only in axial_exact_N; the others are permitted by the servo loop's limiter.
+/// [N]. Gravity's help counts only in axial_exact_N. In all other figures gravity only reduces the force, as
+/// in the limiter of the servo loop.
 struct ToolForce {
   /// Along the tool, no other load.
   double axial_N{std::numeric_limits<double>::infinity()};
@@ -18,17 +19,18 @@ struct ToolForce {
   double lateral_N{std::numeric_limits<double>::infinity()};
   /// Across the tool while the needed axial force and torque act.
   double pressed_lateral_N{std::numeric_limits<double>::infinity()};
-  /// Resisting along the tool, gravity's help counted.
+  /// Along the tool against the hand's push, with gravity's help, no other load.
   double axial_exact_N{std::numeric_limits<double>::infinity()};
-  /// Fraction of the whole need, applied at once, that can be held: at least 1 if the arm is sufficient.
+  /// Fraction of the whole CapabilityNeed, applied at once, that the arm can hold; at least 1 if the arm is
+  /// sufficient.
   double factor{std::numeric_limits<double>::infinity()};
-  /// 0 … 6: the joint that reaches its torque limit first; -1: none, the figure is at its cap.
+  /// Number of the joint that reaches its torque limit first, 0 … 6; -1: none does, the force is at its cap.
   int factor_joint{-1}, axial_joint{-1}, lateral_joint{-1};
-  /// Distance of the joint that is nearest to its position limit, and the number of this joint, 0 … 6.
+  /// Smallest distance of a joint from its position limits, and the number of this joint, 0 … 6.
   double joint_room_rad{std::numeric_limits<double>::infinity()};
   int room_joint{-1};
 
-  /// Lowers each figure, and its joint, to that of `other` where `other` has a smaller one.
+  /// Lowers each figure to that of `other`, together with its joint, if the figure of `other` is smaller.
   void LowerTo(const ToolForce& other);
 };
 

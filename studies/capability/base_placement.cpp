@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = kTurn / 360.0;
-constexpr double kFirstAngleStep = 10.0 * kDegree;  // of the arm angle, in the compass search
+constexpr double kFirstAngleStep = 10.0 * kDegree;  // first step of the arm angle in the compass search
 
 // Number of grid places in a range, both ends included.
 std::size_t Count(const AxisRange& range, double step) {
@@ -41,7 +41,8 @@ BasePlacement::BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix
       task_(task),
       params_(params) {}
 
-// Returns the base's pose whose x axis (A1 = 0) points toward the site, the middle of A1's range.
+// Returns the pose of a base at a place, turned so that its x axis (A1 = 0, the middle of A1's range) points
+// toward the site.
 Pose BasePlacement::Facing(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   const double turn = std::atan2(p_B_site.y(), p_B_site.x());
@@ -51,7 +52,7 @@ Pose BasePlacement::Facing(const Vector3& p_WB) const {
   return X_WB;
 }
 
-// Returns the base's turn about its own axis, from R_WB.
+// Returns the angle by which the base is turned about its own axis, from R_WB.
 double BasePlacement::TurnOf(const Pose& X_WB) const {
   const Matrix3 R = R_WB_.transpose() * X_WB.linear();
   return std::atan2(R(1, 0), R(0, 0));
@@ -62,16 +63,16 @@ bool BasePlacement::Stands(const Vector3& p_WB) const {
   return std::hypot(p_B_site.x(), p_B_site.y()) >= params_.clearance_m;
 }
 
-// All configurations of one arm angle put the links into the same places, so one of them is enough for the
-// factor. If the centres of mass lie off the axes the configurations differ slightly; Forces() accounts for
-// that exactly.
+// Every configuration that belongs to one arm angle puts the links into the same places, so the factor is
+// computed for one of them. If the links' centres of mass lie off the axes, the configurations differ
+// slightly; Forces() accounts for that exactly.
 BaseFigure BasePlacement::JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,
                                   double least) const {
   BaseFigure figure{.X_WB = X_WB, .arm_angle_rad = arm_angle_rad};
   const Pose X_BW = X_WB.inverse();
   const double turn = TurnOf(X_WB);
   double factor = poses.empty() ? 0.0 : HUGE_VAL;
-  unsigned allowed = 0xff;  // bit c: configuration c has done all poses so far
+  unsigned allowed = 0xff;  // bit c: configuration c has reached all poses so far
   for (const Pose& X_WT : poses) {
     const kinematics::LbrSolutions solutions = arm_.Solve(X_BW * X_WT * X_TF_, arm_angle_rad);
     if (!solutions.reachable()) return figure;
@@ -119,7 +120,8 @@ double BasePlacement::Score(const BaseFigure& figure) const {
 }
 
 std::optional<BaseFigure> BasePlacement::Best(const std::function<bool()>& stop) const {
-  // the grid; each place writes its own element, so that the result does not depend on the threads
+  // Judge the grid in parallel. Each place writes its own element, so the result does not depend on the
+  // threads.
   const std::size_t nx = Count(params_.x_m, params_.step_m), ny = Count(params_.y_m, params_.step_m),
                     nz = Count(params_.z_m, params_.step_m);
   std::vector<BaseFigure> grid(nx * ny * nz);
@@ -138,7 +140,7 @@ std::optional<BaseFigure> BasePlacement::Best(const std::function<bool()>& stop)
                    [&](std::size_t a, std::size_t b) { return Score(grid[a]) > Score(grid[b]); });
   order.resize(std::min(order.size(), static_cast<std::size_t>(params_.starts)));
 
-  // compass search from the best places: along one axis, then the next, in steps that halve
+  // Refine the best places by compass search: along one axis after the other, in steps that halve.
   std::vector<BaseFigure> refined(order.size());
   const auto within = [](const AxisRange& range, double value) {
     return std::clamp(value, range.from, range.to);
@@ -172,7 +174,7 @@ std::optional<BaseFigure> BasePlacement::Best(const std::function<bool()>& stop)
             step_m *= 0.5;
             step_rad *= 0.5;
           }
-          // rounded, as the file will state the result
+          // Round the result as the file will state it.
           const Vector3 rounded = (1e3 * best.X_WB.translation()).array().round() * 1e-3;
           refined[i] = Judge(rounded, kDegree * std::round(best.arm_angle_rad / kDegree));
         }
@@ -190,7 +192,7 @@ BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
   const double first_rad = DirectionOf(task_, figure.X_WB.translation());
   const auto solve = [&](const Pose& X_WT) { return arm_.Solve(X_BW * X_WT * X_TF_, figure.arm_angle_rad); };
 
-  // Of the base's configurations, take the one whose joints are nearest to zero at the task's start.
+  // Take the one of the base's configurations whose joints are nearest to zero at the task's start.
   const Pose X_WT_start = TiltCone(task_, task_.X_WC * Vector3(0.0, 0.0, task_.top_m), 0, 0.0).front();
   const kinematics::LbrSolutions start = solve(X_WT_start);
   std::size_t configuration = 0;
@@ -202,7 +204,8 @@ BaseFigure BasePlacement::Centred(const BaseFigure& figure) const {
     configuration = c;
   }
 
-  // A1's range over the task; turn the base by the distance of its middle from the middle of the limits.
+  // Find A1's range over the task, and turn the base by the distance from the middle of A1's limits to the
+  // middle of this range.
   double min_q1 = HUGE_VAL, max_q1 = -HUGE_VAL;
   for (const Pose& X_WT : TaskPoses(task_, {}, first_rad)) {
     const double q1 = solve(X_WT).configuration[configuration].q[0];

@@ -6,14 +6,14 @@
 
 #include "studies/capability/arm_force.h"
 
-// Searches the place in the room for an LBR's base from which its tool's forces are available throughout a
+// Searches the place of an LBR's base in the room from which the arm can hold the tool's forces throughout a
 // task.
 //
 // A base is judged at one arm angle and one configuration, since the servo loop keeps both through a run. Its
 // value is the smallest factor of the whole need (ArmForce::NeedFactor) over all poses of the task, at the
-// best arm angle. The value is zero if a pose can't be reached within the joint margin, if elbow or wrist is
-// straighter than the least bend (near a straight joint the force along the arm and the joint speeds grow
-// without bound), or if elbow or wrist would lie beyond the workspace's plane.
+// best arm angle. The value is zero in three cases: a pose can't be reached within the joint margin; elbow or
+// wrist is bent less than the minimum (near a straight joint the force along the arm and the joint speeds
+// grow without bound); or elbow or wrist would lie beyond the workspace's plane.
 
 namespace osteon::studies {
 
@@ -27,25 +27,28 @@ struct AxisRange {
 
 /// Ranges, conditions and fineness of the search.
 struct BasePlacementParams {
-  AxisRange x_m, y_m, z_m;   ///< ranges of the base's origin, in W
-  double clearance_m{0.35};  ///< least distance of the site's centre from the base's axis, across that axis
+  AxisRange x_m, y_m, z_m;  ///< ranges of the base's origin, in W
+  /// Minimum distance of the site's centre from the base's axis, measured across that axis.
+  double clearance_m{0.35};
   double joint_margin_rad{0.0872664625997165};  ///< distance kept from the position limits (5 deg)
   double min_bend_rad{0.261799387799149};       ///< least bend of A4 and A6 from straight (15 deg)
-  Vector3 now_W_m{Vector3::Zero()};  ///< the base's present place: among equally good ones the nearest wins
-  double moving_share_per_m{0.01};   ///< relative gain that a place must bring per metre of distance
-  double step_m{0.05};               ///< spacing of the first grid
+  /// The base's present place: the search prefers the nearest of equally good places.
+  Vector3 now_W_m{Vector3::Zero()};
+  /// Relative gain of the factor that a place must bring per metre of its distance from the present place.
+  double moving_share_per_m{0.01};
+  double step_m{0.05};  ///< spacing of the first grid
   double final_step_m{0.005};
   int arm_angles{36};  ///< samples of the elbow's circle
-  int starts{6};       ///< grid places that are refined
+  int starts{6};       ///< number of grid places that are refined
   int threads{2};
 };
 
-/// A base and its value.
+/// A pose of the base, and its value for the task.
 struct BaseFigure {
   Pose X_WB{Pose::Identity()};
   double arm_angle_rad{0.0};
-  unsigned configurations{0};  ///< bit c: configuration c does the whole task; 0: none does
-  double factor{0.0};          ///< share of the whole need that the arm holds, least over the task
+  unsigned configurations{0};  ///< bit c: the whole task can be done in configuration c; 0: in none
+  double factor{0.0};          ///< smallest share of the whole need that the arm holds over the task
 };
 
 /// The search for one arm, tool and task.
@@ -55,7 +58,8 @@ class BasePlacement {
   BasePlacement(const kinematics::ChainParams<7>& arm, const Matrix3& R_WB, const Pose& X_FT,
                 const TaskVolume& task, const CapabilityNeed& need, const BasePlacementParams& params);
 
-  /// Judges a base at a place, turned so that A1 faces the site, at the best of the sampled arm angles.
+  /// Judges a base at a place, at the best of the sampled arm angles. The base is turned so that A1 faces the
+  /// site.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB) const;
   /// Judges the base at a given arm angle, with the task sampled finely.
   [[nodiscard]] BaseFigure Judge(const Vector3& p_WB, double arm_angle_rad) const;
@@ -70,13 +74,14 @@ class BasePlacement {
   /// limits.
   [[nodiscard]] BaseFigure Centred(const BaseFigure& figure) const;
 
-  /// The worst of each figure over the finely sampled task, in the first of the base's configurations.
+  /// Returns the smallest value of each figure over the finely sampled task, in the first of the base's
+  /// configurations.
   [[nodiscard]] ToolForce Forces(const BaseFigure& figure) const;
 
  private:
   [[nodiscard]] Pose Facing(const Vector3& p_WB) const;
   [[nodiscard]] double TurnOf(const Pose& X_WB) const;
-  /// The figure's factor, lowered by moving_share_per_m for each metre from the present base.
+  /// The figure's factor, lowered by moving_share_per_m for each metre of distance from the present base.
   [[nodiscard]] double Score(const BaseFigure& figure) const;
   /// Whether the site is at least clearance_m from the base's axis.
   [[nodiscard]] bool Stands(const Vector3& p_WB) const;

@@ -26,12 +26,13 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-// Default ranges of the base's place from the site: to each side, down and up.
+// Default ranges of the base's place relative to the site: to each side, downward and upward.
 constexpr double kReach_m = 0.9, kLower_m = 0.7, kHigher_m = 0.5;
-constexpr double kPanelStep_m = 0.025;  // between two places of the base in a picture
-constexpr double kPressing_N = 20.0;    // along the tool; smaller forces give no reliable ratio
+constexpr double kPanelStep_m = 0.025;  // distance of neighbouring places of the base in a picture
+constexpr double kPressing_N = 20.0;    // least force along the tool; smaller forces give no reliable ratio
 
-// Returns the greatest ratio of lateral to axial force in a run while the tool pressed.
+// Returns the greatest ratio of lateral to axial force in a recorded run, over the ticks with at least
+// kPressing_N along the tool.
 tl::expected<double, std::string> LateralRatio(const std::filesystem::path& file) {
   auto stream = io::RecordingStream::Open(file);
   if (!stream) return tl::unexpected(stream.error());
@@ -66,7 +67,7 @@ BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume&
   const Vector3 site = task.X_WC.translation();
   const auto range = [](const std::optional<std::array<double, 2>>& asked_mm, double from_m, double to_m) {
     if (asked_mm) return AxisRange{1e-3 * (*asked_mm)[0], 1e-3 * (*asked_mm)[1]};
-    // whole centimetres, so that the grid's places are at whole centimetres
+    // Round to whole centimetres, so that the grid's places are at whole centimetres.
     return AxisRange{0.01 * std::round(100.0 * from_m), 0.01 * std::round(100.0 * to_m)};
   };
   return {.x_m = range(options.x_mm, site.x() - kReach_m, site.x() + kReach_m),
@@ -78,7 +79,8 @@ BasePlacementParams SearchOf(const CapabilityOptions& options, const TaskVolume&
           .threads = options.threads};
 }
 
-// Cuts a panel down to the places from which the task can be done and the marks, with a rim of two places.
+// Crops a panel to the places from which the task can be done and to the marks (site, present base, best
+// base), with a margin of two places.
 BasePanel Cropped(const BasePanel& panel) {
   int low_x = panel.nx, high_x = -1, low_y = panel.ny, high_y = -1;
   const auto keep = [&](int i, int j) {
@@ -112,8 +114,8 @@ BasePanel Cropped(const BasePanel& panel) {
   return cropped;
 }
 
-// Computes the guaranteed axial force for the bases of a plane through the best base: horizontal, or vertical
-// through site and best base.
+// Computes the axial force that the arm can hold over the task, for bases in a plane through the best base.
+// The plane is horizontal, or vertical through site and best base.
 BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const CapabilityResult& result,
                       bool vertical) {
   const Vector3 site = result.task.X_WC.translation(), p_best = best.X_WB.translation(),
@@ -127,7 +129,7 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   if (vertical) {
     u = Vector3(p_best.x() - site.x(), p_best.y() - site.y(), 0.0);
     u = u.norm() > 1e-6 ? Vector3(u.normalized()) : Vector3::UnitX();
-    if (u.x() < 0.0) u = -u;  // the same left and right as in the plan view
+    if (u.x() < 0.0) u = -u;  // left and right as in the plan view
     v = Vector3::UnitZ();
     across = {-kReach_m, kReach_m};
     up = {s.z_m.from - site.z(), s.z_m.to - site.z()};
@@ -150,7 +152,7 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   panel.site = local(site);
   panel.own = local(p_own);
   if (vertical) {
-    // a base beside the plane is turned into the plane about the site
+    // The present base may lie beside the vertical plane: rotate it about the site's vertical into the plane.
     const double side = panel.own[0] < 0.0 ? -1.0 : 1.0;
     panel.own[0] = side * std::hypot(p_own.x() - site.x(), p_own.y() - site.y());
   }
@@ -171,7 +173,7 @@ BasePanel PanelAround(const BasePlacement& search, const BaseFigure& best, const
   return Cropped(panel);
 }
 
-// Searches the best base and maps the bases around it. On Ctrl-C, or if there is none, the result has no
+// Searches the best base and maps the bases around it. On Ctrl-C, or if no base is found, the result has no
 // base.
 void Search(const config::CellConfig& cell, const CapabilityOptions& options, base::PhaseProgress& progress,
             CapabilityResult& result) {
@@ -245,7 +247,7 @@ tl::expected<void, std::string> Write(const CapabilityResult& result, const Capa
   return report::WritePage(Page(result, options, map, own_map, bases), options.out / "capability.html");
 }
 
-// Runs the subcommand, except that it throws where the input is bad.
+// Runs the subcommand. Throws if the input is bad.
 int Run(const CapabilityOptions& options) {
   if (const std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty())
     return session::Fail("capability", wrong);

@@ -17,13 +17,16 @@ struct CapabilityOptions {
   std::filesystem::path cell;
   std::filesystem::path out{"capability"};
   std::filesystem::path json{};  ///< a second copy of capability.json
-  /// Recording of a run: gives the lateral force that its tool needed; empty: the cell's limits.
+  /// Recording of a run, from which the lateral force that the tool needs is taken; empty: it follows from
+  /// the cell's limits.
   std::filesystem::path recording{};
-  std::filesystem::path identified{};  ///< a file of `osteon identify`; empty: as the cell says
+  /// A file of `osteon identify`; empty: the file that the cell names, if any.
+  std::filesystem::path identified{};
   std::optional<double> axial_N{}, lateral_N{}, radius_mm{};
   double torque_Nm{0.0};
   Mount mount{Mount::kCell};
-  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};  ///< ranges in which the base may stand, in W
+  /// Ranges of the base's origin in the search, in W.
+  std::optional<std::array<double, 2>> x_mm{}, y_mm{}, z_mm{};
   double clearance_mm{350.0};
   double joint_margin_deg{5.0};
   int nodes{61};      ///< number of a map's nodes across the workspace

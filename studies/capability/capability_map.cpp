@@ -84,12 +84,12 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
     const Vector3 base_W = X_BW_.inverse().translation();
     Vector3 out = task_.X_WC.translation() - base_W;
     out.z() = 0.0;
-    if (out.x() < 0.0) out = -out;  // the same left and right as in the horizontal section
+    if (out.x() < 0.0) out = -out;  // left and right as in the horizontal section
     panel.u_W = out.norm() > 1e-9 ? out.normalized() : Vector3::UnitX();
     panel.v_W = Vector3::UnitZ();
   }
-  // a square around the sphere, shifted to the head's centre; its nodes are at whole steps from the site's
-  // centre
+  // The panel is a square around the workspace's sphere, shifted from the apex to the head's centre. Its
+  // nodes are at whole steps from the site's centre.
   const Vector3 p_apex_head = task_.head_radius_m * task_.X_WC.linear().col(2);
   const Vector3 center = space.sphere_center_W_m + p_apex_head - panel.origin_W;
   const double u = center.dot(panel.u_W), v = center.dot(panel.v_W), r = kMargin * space.sphere_radius_m;
@@ -102,7 +102,7 @@ MapPanel CapabilityMap::Panel(MapPlane plane, int nodes, const std::function<boo
        {&panel.axial_N, &panel.lateral_N, &panel.own_axial_N, &panel.own_lateral_N})
     values->assign(count, std::nan(""));
 
-  // the worst of the cone; stays NaN if a pose of the cone has no posture
+  // Keep the smallest value over the tilt cone; NaN if a pose of the cone has no posture.
   const auto worst = [&](const std::vector<Pose>& cone, const auto& force_of, double& axial,
                          double& lateral) {
     ToolForce force;

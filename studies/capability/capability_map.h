@@ -14,18 +14,18 @@ namespace osteon::studies {
 
 /// Two section planes through the site's centre.
 enum class MapPlane : std::uint8_t {
-  kVertical,    ///< contains the base's axis: +x toward W's +x side, y along W's z
+  kVertical,    ///< contains the base's axis; the panel's x points toward W's +x side, its y along W's z
   kHorizontal,  ///< W's x and y, at the site's height
 };
 
-/// Forces on a grid of one plane. A node's value is the worst over the tilt cone with the tool head's centre
-/// at that node, NaN if a pose of the cone has no posture.
+/// Forces on a grid of one plane. The tool head's centre is at the node, and the node's value is the smallest
+/// over the tilt cone; NaN if the arm has no posture for a pose of the cone.
 struct MapPanel {
   MapPlane plane{};
   Vector3 origin_W{Vector3::Zero()}, u_W{Vector3::UnitX()}, v_W{Vector3::UnitY()};
   double u_from_m{0.0}, v_from_m{0.0}, step_m{0.0};
   int nu{0}, nv{0};
-  std::vector<double> axial_N, lateral_N;          ///< each pose at its best arm angle
+  std::vector<double> axial_N, lateral_N;          ///< with the best arm angle at each pose
   std::vector<double> own_axial_N, own_lateral_N;  ///< at the cell's arm angle and configuration
 
   /// Returns the position of element i's node, in W [m].
@@ -41,7 +41,7 @@ class CapabilityMap {
   /// Maps the workspace's sphere with `nodes` nodes across.
   [[nodiscard]] MapPanel Panel(MapPlane plane, int nodes, const std::function<bool()>& stop) const;
 
-  /// The worst figures over the task, and the number of its poses without a posture.
+  /// The smallest figures over the task, and the number of its poses that the arm has no posture for.
   struct Task {
     ToolForce force;
     std::size_t poses{0}, unreachable{0};

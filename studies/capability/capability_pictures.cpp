@@ -25,7 +25,7 @@ report::HeatScale ScaleOf(const std::vector<const std::vector<double>*>& fields,
     for (const double value : *field)
       if (std::isfinite(value)) values.push_back(value);
   const double percentile_95_N = values.empty() ? 0.0 : base::Percentile(values, 0.95);
-  // eight to fifteen bands of a round width, two per tick
+  // The scale gets 8 to 15 bands of a round width, two bands from one tick to the next.
   const double top = std::clamp(1.1 * std::max(percentile_95_N, need_N), 50.0, 1000.0);
   double tick = 10.0;
   for (const double width : {20.0, 50.0, 100.0, 200.0})
@@ -56,7 +56,7 @@ report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   const Matrix3 R_CW = task.X_WC.linear().transpose();
   const Vector3 normal_C = R_CW * panel.u_W.cross(panel.v_W);
   if (std::abs(normal_C.z()) > 0.7) {
-    // plane across the axis: the rim, at the plane's height
+    // The panel's plane is across the cylinder's axis: draw the rim at the plane's height.
     for (int k = 0; k < kSides; ++k) {
       const double angle = 2.0 * std::numbers::pi * k / kSides;
       const Vector3 rim(task.radius_m * std::cos(angle), task.radius_m * std::sin(angle), 0.0);
@@ -64,7 +64,7 @@ report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
     }
     return outline;
   }
-  // plane along the axis: the two sides
+  // The panel's plane is along the cylinder's axis: draw the two sides.
   const Vector3 side = Vector3::UnitZ().cross(normal_C).normalized() * task.radius_m;
   for (const auto& [sign, height] :
        {std::pair{-1.0, task.bottom_m}, {1.0, task.bottom_m}, {1.0, task.top_m}, {-1.0, task.top_m}})
@@ -72,7 +72,8 @@ report::Polyline TaskOutline(const TaskVolume& task, const MapPanel& panel) {
   return outline;
 }
 
-// Outlines where the cell's workspace permits the centre of an upright tool's head: shifted from the apex.
+// Outlines the region in which the workspace permits the head's centre of an upright tool. The workspace
+// bounds the apex, so its outline is shifted by the vector from the apex to the head's centre.
 report::Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel) {
   constexpr int kSides = 180;
   const safety::WorkspaceParams& space = task.workspace;
@@ -84,13 +85,13 @@ report::Polyline WorkspaceOutline(const TaskVolume& task, const MapPanel& panel)
   if (std::abs(off) >= space.sphere_radius_m) return outline;
   const double radius = std::sqrt(space.sphere_radius_m * space.sphere_radius_m - off * off);
   const report::Vector2 middle(center.dot(panel.u_W), center.dot(panel.v_W));
-  // the plane as n·p >= d within the panel
+  // the workspace's plane within the panel, as n·p >= d
   const report::Vector2 n(space.plane_normal_W.dot(panel.u_W), space.plane_normal_W.dot(panel.v_W));
   const double d = space.plane_offset_m - space.plane_normal_W.dot(panel.origin_W - p_apex_head);
   for (int k = 0; k < kSides; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kSides;
     report::Vector2 p = middle + radius * report::Vector2(std::cos(angle), std::sin(angle));
-    // beyond the plane: project back along its normal
+    // The point is beyond the workspace's plane: project it back along the plane's normal.
     if (n.norm() > 1e-9 && n.dot(p) < d) p += (d - n.dot(p)) / n.squaredNorm() * n;
     outline.points.push_back(1e3 * p);
   }

@@ -15,7 +15,7 @@ constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 // "A3" for index 2; "no joint" below 0.
 std::string Joint(int joint) { return joint < 0 ? "no joint" : fmt::format("A{}", joint + 1); }
 
-// Zero if nothing could be judged; JSON has no infinity.
+// Returns zero for an infinite value: no pose could be judged, and JSON has no infinity.
 double Shown(double value) { return std::isfinite(value) ? value : 0.0; }
 
 // The smallest forces over the task with the joints that limit them, as one line.
@@ -65,14 +65,15 @@ double RoundToWhole(double value) { return std::round(value) + 0.0; }
 
 Vector3 RollPitchYaw(const Matrix3& R) {
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
-  // straight up or down, roll and yaw turn about the same axis: count it all as yaw
+  // The axis points straight up or down: roll and yaw turn about the same axis, so the whole turn is stated
+  // as yaw.
   if (std::abs(R(2, 0)) > 1.0 - 1e-12) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
   return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
 }
 
 namespace {
 
-// Says why the task can't be done with the needed forces at once; empty if it can.
+// Says why the arm can't hold the whole need over the task; empty if it can.
 std::string DescribeUnmetNeed(const CapabilityMap::Task& task, const CapabilityNeed& need) {
   if (task.unreachable == task.poses) return "no pose of the task has a posture within the joint limits";
   if (task.unreachable > 0)

@@ -20,8 +20,8 @@ struct BasePanel {
   std::string title, x_label, y_label;
   double x_from_m{0.0}, y_from_m{0.0}, step_m{0.0};
   int nx{0}, ny{0};
-  /// Row by row along x: axial force that the arm holds in every pose of the task while all forces and
-  /// torques of CapabilityNeed act at once; NaN where it can't do the task.
+  /// Axial force that the arm holds in every pose of the task while all forces and torques of CapabilityNeed
+  /// act at once, for each place, row by row along x; NaN if the task can't be done from the place.
   std::vector<double> force_N;
   std::array<double, 2> site{}, own{}, best{};  ///< places of the site, the present base and the best one [m]
 };
@@ -34,21 +34,21 @@ struct CapabilityResult {
   Pose X_WB{Pose::Identity()};
   double own_arm_angle_rad{0.0};
   CapabilityMap::Task best_angle,
-      own_angle;   ///< forces from the present base, at the best arm angle and the cell's
+      own_angle;   ///< forces from the present base: at the best arm angle, and at the cell's arm angle
   int outside{0};  ///< number of the task's poses outside the cell's workspace, which are not judged
   std::vector<MapPanel> maps;
   BasePlacementParams search;
   bool searched{false};            ///< whether a better base was looked for
   std::optional<BaseFigure> base;  ///< the best base; nothing if none was searched for or found
-  ToolForce base_force;            ///< of the best base, over the task
+  ToolForce base_force;            ///< forces over the task from the best base
   std::vector<BasePanel> base_panels;
-  std::optional<Rendering> rendering{};  ///< forces that are felt and rendered; none: not computed
+  /// Range of the forces that the cell renders truthfully; none: not computed.
+  std::optional<Rendering> rendering{};
 };
 
-/// Bad if the arm can hold CapabilityNeed over the whole task from the cell's own base at no arm angle. To be
-/// looked at if it can, but not at the cell's arm angle. Also to be looked at if a part of the task lies
-/// outside the workspace, if no better base was found, or if the measured arm is not stable with the cell's
-/// gains.
+/// "bad": from the cell's own base the arm can't hold CapabilityNeed over the whole task at any arm angle.
+/// "look": the arm can hold it, but not at the cell's arm angle; or a part of the task lies outside the
+/// workspace; or no better base was found; or the measured arm is not stable with the cell's gains.
 [[nodiscard]] session::Verdict Judge(const CapabilityResult& result);
 
 /// The result as rows of a key and a text.

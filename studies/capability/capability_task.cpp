@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-// The depth to which the hand pushes with its full force. The script's keys lie deeper, where its spring
-// would pull.
+// The depth at which the hand pushes with its full force, for a reaming script. The hand's goals in the
+// script lie deeper, since the hand pulls the tool toward them by a spring.
 std::optional<double> FullForceDepth(const hil::ScriptParams& script) {
   return std::visit(
       [](const auto& params) -> std::optional<double> {

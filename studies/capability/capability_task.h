@@ -20,11 +20,11 @@
 
 namespace osteon::studies {
 
-/// The forces and the torque that the arm has to resist at the tool's apex.
+/// The forces and the torque that the arm has to hold at the tool's apex, all at the same time.
 struct CapabilityNeed {
   double axial_N{0.0};       ///< resisted along the tool
-  double lateral_N{0.0};     ///< across it, in any direction, at the same time
-  double torque_Nm{0.0};     ///< about any axis, at the same time
+  double lateral_N{0.0};     ///< across the tool, in any direction
+  double torque_Nm{0.0};     ///< about any axis
   std::string lateral_from;  ///< source of lateral_N
 };
 
@@ -32,7 +32,7 @@ struct CapabilityNeed {
 /// do not belong to it.
 struct TaskVolume {
   Pose X_WC{Pose::Identity()};
-  double radius_m{0.0};  ///< of the cylinder in which the head's centre moves
+  double radius_m{0.0};  ///< radius of the cylinder in which the head's centre moves
   double bottom_m{0.0}, top_m{0.0};
   double tilt_rad{0.0};
   double head_radius_m{0.0};  ///< distance of the apex ahead of the head's centre
@@ -41,11 +41,12 @@ struct TaskVolume {
 };
 
 /// Derives the task from a cell's script.
-/// @param radius_m  of the cylinder; none: the head's radius plus the script's swing, so that the site may
-///   lie one head radius beside its planned place
+/// @param radius_m  radius of the cylinder; none: the head's radius plus the script's swing, so that the site
+/// may lie one head radius away from its planned place
 [[nodiscard]] TaskVolume TaskOf(const config::CellConfig& cell, const std::optional<double>& radius_m = {});
 
-/// The need of a cell: its force limit along the tool, and across the tool the lateral force of its posture.
+/// Returns the need of a cell: its force limit along the tool, and the lateral force of its posture across
+/// the tool.
 [[nodiscard]] CapabilityNeed NeedOf(const config::CellConfig& cell);
 
 /// Sampling of a task: heights, places around the rim at each height, and tilts at each place.

@@ -16,19 +16,19 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDeviations = 3.0;  // standard deviations of noise and drift that make the force floor
+constexpr double kDeviations = 3.0;  // the force floor is this many standard deviations of noise and drift
 constexpr double kNoFloor_N = 1e-3;  // only a simulated sensor without errors has a smaller floor
 // The search for the stiffest wall begins at kMinWall_N_per_m and goes up by this factor.
 constexpr double kMinWall_N_per_m = 100.0, kWallFactor = 1.1;
 constexpr std::array<const char*, 3> kAxisNames{"x", "y", "z"};
 
-// Lag of a simulated arm behind its commands [s]: dead time, and that of a second-order response for slow
-// motion.
+// Lag of a simulated arm behind its commands [s]: the dead time, plus the lag of a second-order response at
+// low frequency.
 double LagOf(const hil::ServoArmParams& arm, double period_s) {
   return arm.dead_cycles * period_s + arm.damping_ratio / (std::numbers::pi * arm.bandwidth_hz);
 }
 
-// Finds the arm that was measured along one axis at its slowest speed; null if there is none.
+// Returns the measurement of the arm along one axis that has the largest lag; null if there is none.
 const config::IdentifiedArm* MeasuredArm(const config::CellConfig& cell, const std::string& axis) {
   const config::IdentifiedArm* slowest = nullptr;
   if (cell.identified)
@@ -37,7 +37,7 @@ const config::IdentifiedArm* MeasuredArm(const config::CellConfig& cell, const s
   return slowest;
 }
 
-// Whether the arm, or at least its response, was measured along an axis.
+// Whether the arm's model, or at least its response without a hand, was measured along an axis.
 bool IsMeasured(const config::CellConfig& cell, const std::string& axis) {
   if (MeasuredArm(cell, axis) != nullptr) return true;
   return cell.identified && std::ranges::any_of(cell.identified->response, [&](const auto& response) {
@@ -45,8 +45,8 @@ bool IsMeasured(const config::CellConfig& cell, const std::string& axis) {
          });
 }
 
-// The cell's loop along one axis: its gains, and the measurements of `identified:` along that axis. If the
-// axis was not measured, the slowest measured axis counts for it.
+// The tuning task of the cell's loop along one axis: its gains, and the measurements of `identified:` along
+// that axis. If that axis was not measured, all measured axes stay, and the slowest of them is used.
 TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
   config::CellConfig own = cell;
   const std::string name = kAxisNames[axis];
@@ -62,7 +62,7 @@ TuneTask TaskAlong(const config::CellConfig& cell, std::size_t axis) {
   return task;
 }
 
-// The stiffest wall with which the loop is stable with all hands, at the greatest delay of a command.
+// The stiffest wall with which the loop is stable with all hands, when every command has its largest delay.
 double GreatestWallOf(const TuneTask& task, const std::vector<hil::GridHand>& hands) {
   double max_stable_N_per_m = kMaxWall_N_per_m;
   for (const hil::GridHand& hand : hands) {
@@ -81,7 +81,8 @@ double GreatestWallOf(const TuneTask& task, const std::vector<hil::GridHand>& ha
   return max_stable_N_per_m;
 }
 
-// Fills in the drag and the walls that the cell asks for, and those with which its loop is stable.
+// Fills in the drag and wall that the cell's file states, the least drag and the stiffest wall with which the
+// loop is stable, and whether it is stable with the file's values.
 void FillLoop(const TuneTask& task, RenderedAxis& axis) {
   const std::vector<hil::GridHand> hands = HandsUpTo(task, task.human_grip_N_per_m);
   const TuneGains own{task.loop.mass_kg, task.loop.damping_Ns_per_m};
@@ -94,13 +95,14 @@ void FillLoop(const TuneTask& task, RenderedAxis& axis) {
                 StandsByMargins(MeasuredMargins(task, "own", own, hands), "own");
 }
 
-// Whether two tasks have the same results; tasks with measurements are never alike.
+// Whether two tasks have the same result. Tasks with measurements are always treated as different.
 bool IsAlike(const TuneTask& a, const TuneTask& b) {
   return !a.identified && !b.identified && a.loop.mass_kg == b.loop.mass_kg &&
          a.loop.damping_Ns_per_m == b.loop.damping_Ns_per_m;
 }
 
-// Fills in the mass that a force along the i-th axis of the tool moves: measured, or from the arm's masses.
+// Fills in the arm's effective mass along the i-th axis of the tool: measured, or computed from the arm's
+// masses.
 void FillMass(const config::CellConfig& cell, const config::IdentifiedArm* arm, Eigen::Index i,
               RenderedAxis& axis) {
   if (arm != nullptr && arm->felt_mass_kg) {
@@ -118,7 +120,8 @@ void FillForces(const config::CellConfig& cell, Rendering& rendering) {
   const auto& identified = cell.identified;
   const bool at_rest = identified && identified->sensor &&
                        (identified->sensor->noise_N > 0.0 || identified->sensor->drift_N > 0.0);
-  // A drift so small that it needs no dead zone also counts as measured.
+  // The dead zone counts as measured if the drift at rest was measured, even if that drift needs no dead
+  // zone.
   rendering.dead_zone_N = {.value = cell.servo.admittance.dead_zone_N,
                            .measured = at_rest || (identified && identified->dead_zone_N)};
   rendering.noise_N = {.value = std::visit([](const auto& device) { return device.model.noise_N; },
@@ -153,7 +156,7 @@ nlohmann::json JsonOf(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? nlohmann::json(*value) : nlohmann::json();
 }
 
-// What is known of one axis, as one line.
+// The results for one axis, as one line.
 std::string AxisText(const RenderedAxis& axis) {
   std::string text = "lag " + Sourced(axis.lag_s, 1e-3, "ms");
   if (axis.felt_mass_kg) text += "; a force moves the arm as " + Sourced(*axis.felt_mass_kg, 1.0, "kg");

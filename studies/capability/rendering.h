@@ -28,20 +28,23 @@ struct SourcedFigure {
 /// Rendering along one axis of the tool's frame, at the cell's start.
 struct RenderedAxis {
   char axis{'z'};
-  /// Lag of the arm behind its command: dead time + 2 z / w; with the impedance law only the dead time.
+  /// Lag of the arm behind its command: dead time + 2 zeta / omega of the second-order response; with the
+  /// impedance law only the dead time.
   SourcedFigure lag_s{};
-  /// Mass by which a force on the tool moves the arm; none for an arm without masses.
+  /// Effective mass of the arm along this axis: force on the tool divided by its acceleration. None for an
+  /// arm without masses.
   std::optional<SourcedFigure> felt_mass_kg{};
-  /// Only with the admittance law: the least drag with which the cell's virtual mass is stable with every
+  /// Only with the admittance law: the smallest drag with which the cell's virtual mass is stable with every
   /// hand and contact of `osteon tune`; infinite if no drag is enough.
   std::optional<double> least_drag_Ns_per_m{};
-  /// Stiffest wall with the cell's own gains and every hand, up to kMaxWall_N_per_m. None where only the
-  /// measured response may be used, and with the impedance law.
+  /// Stiffest wall that is stable with the cell's own gains and every hand, up to kMaxWall_N_per_m. None with
+  /// the impedance law, and if only the measured response may be used.
   std::optional<double> greatest_wall_N_per_m{};
   double asked_drag_Ns_per_m{0.0}, asked_wall_N_per_m{0.0};  ///< drag and wall that the cell's file states
-  /// The drag and wall that the file states are stable, also by the measured response if there is one.
+  /// Whether the loop is stable with the drag and wall of the cell's file, also by the measured response if
+  /// there is one.
   bool stands{true};
-  /// Drag, wall and `stands` follow from a model or a response that was measured along this axis.
+  /// Whether drag, wall and `stands` follow from a model or a response that was measured along this axis.
   bool loop_measured{false};
 };
 inline constexpr double kMaxWall_N_per_m = 1e6;  ///< largest wall that is tried
@@ -52,8 +55,8 @@ struct Rendering {
   std::vector<RenderedAxis> axes;  ///< x, y, z
   bool admittance{true};
 
-  /// The smallest force of a hand that is felt and distinguished from the sensor's own errors: the dead zone,
-  /// or three standard deviations of noise and drift.
+  /// The smallest force of a hand that the loop distinguishes from the sensor's own errors: the dead zone, or
+  /// three standard deviations of noise and drift, whichever is larger.
   [[nodiscard]] double force_floor_N() const;
   /// Whether dead zone, noise and drift were all measured.
   [[nodiscard]] bool floor_measured() const;

@@ -25,17 +25,18 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMaxAdded_us = 3.0;    // accepted addition to the loop's median with all levels
-constexpr double kNoticedShare = 0.07;  // smallest relative change of the force that is noticed
-constexpr double kPush_N = 20.0;        // mean force of the small motion
+constexpr double kMaxAdded_us = 3.0;    // accepted increase of the loop's median time when all levels are on
+constexpr double kNoticedShare = 0.07;  // smallest relative change of a force that a person notices
+constexpr double kPush_N = 20.0;        // mean of the force about which it is varied
 constexpr double kSettle_s = 4.0;       // time after which a displacement counts as at rest
-constexpr double kDecadeStep = 0.02;    // between frequencies [decades]: a mount's resonance is narrow
-// Each level that gives way, and the shipped cell that has only this level.
+// Distance of frequencies [decades]; small, since a mount's resonance is narrow.
+constexpr double kDecadeStep = 0.02;
+// Each compliant level, and the shipped cell that has only this level.
 constexpr std::array<std::pair<const char*, const char*>, 3> kCells{
     {{"tool", "long_drill"}, {"layer", "cartilage_cup"}, {"mount", "pelvis_mount"}}};
 
-// The one level of a cell that gives way (tool, layer or mount), under a force along a fixed direction:
-// across the feed for a tool, along the feed for a layer or mount.
+// The one compliant level of a cell (tool, layer or mount), under a force along a fixed direction: across the
+// feed for a tool, along the feed for a layer or mount.
 class PressedLevel {
  public:
   PressedLevel(const config::CellConfig& cell, const control::ComplianceParams& params)
@@ -68,7 +69,8 @@ class PressedLevel {
   simulation::ContactModel model_;
 };
 
-// Displacement at rest under a force [m]: steps the elements for kSettle_s. None if the cell would stop.
+// Displacement at rest under a force [m], after kSettle_s of simulation. None if the displacement is beyond
+// the limit at which the cell stops.
 std::optional<double> DisplacementAtRest_m(const config::CellConfig& cell,
                                            const control::ComplianceParams& params, double force_N) {
   PressedLevel level(cell, params);
@@ -77,8 +79,8 @@ std::optional<double> DisplacementAtRest_m(const config::CellConfig& cell,
   return level.Displacement_m();
 }
 
-// Felt stiffness at one frequency (amplitude of the force over that of the hand's motion), divided by the
-// coupling's stiffness.
+// Stiffness that the hand feels at one frequency (amplitude of the force over that of the hand's motion),
+// divided by the coupling's stiffness.
 // @param at_rest_m  displacement at rest under kPush_N
 double FeltRatio(const config::CellConfig& cell, const control::ComplianceParams& params, double at_rest_m,
                  double hz) {
@@ -110,7 +112,7 @@ std::vector<std::vector<std::string>> CostTable(const ComplianceChart& chart) {
   return rows;
 }
 
-// The y of a curve at x = `at`, interpolated between its points; beyond the last point its y.
+// Returns y of a curve at x = `at`, by linear interpolation; beyond the last point, the last point's y.
 double ValueAt(const std::vector<double>& x, const std::vector<double>& y, double at) {
   for (std::size_t i = 1; i < x.size(); ++i)
     if (x[i] >= at) return y[i - 1] + (y[i] - y[i - 1]) * (at - x[i - 1]) / (x[i] - x[i - 1]);
@@ -129,7 +131,7 @@ std::vector<std::vector<std::string>> ChangeTable(const ComplianceChart& chart) 
   return rows;
 }
 
-// Picture: felt stiffness over the frequency, for each level.
+// Draws the stiffness that the hand feels over the frequency, for each level.
 std::string FeltSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Felt stiffness over the coupling's own",
                          .x_label = "frequency of a small motion about a push of 20 N [Hz]",
@@ -147,7 +149,7 @@ std::string FeltSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
-// Picture: displacement at rest over the force, for each level.
+// Draws the displacement at rest over the force, for each level.
 std::string GivesSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Displacement at rest",
                          .x_label = "force [N]",
@@ -165,7 +167,7 @@ std::string GivesSvg(const ComplianceChart& chart) {
   return report::Svg(plot, 860.0);
 }
 
-// Picture: the loop's time for each level.
+// Draws the loop's time for each level.
 std::string CostSvg(const ComplianceChart& chart) {
   report::LineChart plot{.title = "Servo loop's time a tick, from the median to the 99th percentile",
                          .x_label = "what gives way: 0 nothing, 1 tool, 2 layer, 3 mount, 4 all",

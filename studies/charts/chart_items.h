@@ -5,9 +5,9 @@
 #include "studies/charts/chart_scaling.h"
 #include "studies/charts/chart_speed_accuracy.h"
 
-// Converts the measurements of charts to JSON items and back, exact to the bit: a study that is split over
-// machines (studies/sharding) stores them in the file of each part. An item has everything that the chart's
-// picture, table, page and JSON show. Reading a damaged item throws nlohmann::json::exception or
+// Converts the measurements of charts to JSON items and back, exact to the bit. A study that is split over
+// machines (studies/sharding) stores its items in the file of each part. An item has everything that the
+// chart's picture, table, page and JSON show. Reading a damaged item throws nlohmann::json::exception or
 // std::invalid_argument.
 
 namespace osteon::studies {

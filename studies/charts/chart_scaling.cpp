@@ -30,16 +30,17 @@ namespace {
 constexpr const char* kFixed = "ours, cut zone as it is";
 constexpr const char* kUniform = "ours, all of the bone alike";
 constexpr const char* kBrute = "the same without culling";
-// Numbers of spheres of the points.
+// Numbers of spheres at which the chart has points.
 constexpr std::array<std::size_t, 9> kCounts{1'000,   3'000,     10'000,    30'000,    100'000,
                                              300'000, 1'000'000, 3'000'000, 10'000'000};
-constexpr std::size_t kBruteFrames = 60;  // timed at each point without culling
+constexpr std::size_t kBruteFrames = 60;  // timed at each point of the engine without culling
 constexpr std::size_t kMinFrames = 20;    // a point with fewer frames has no median, and is left out
 
 // Writes progress to standard error.
 void Say(const std::string& text) { fmt::print(stderr, "osteon chart scaling: {}\n", text); }
 
-// Measures the points of the chart, or reads them from the parts of a study that was split.
+// Measures the points of the chart, or reads them from the part files of a study that was split over
+// machines.
 class Scaling {
  public:
   Scaling(const ScalingOptions& options, StudyItems& items) : options_(options), items_(items) {
@@ -48,8 +49,8 @@ class Scaling {
     result_.frames = options.frames;
   }
 
-  // An item is one number of spheres in one of our series; the series without culling belongs to the items of
-  // the first series.
+  // An item is one number of spheres in one of our series. The series without culling is measured with the
+  // items of the first series.
   static std::size_t ItemCount(const ScalingOptions& options) {
     return 2 * static_cast<std::size_t>(std::ranges::count_if(
                    kCounts, [&](std::size_t count) { return count <= options.max_spheres; }));
@@ -73,9 +74,9 @@ class Scaling {
   }
 
  private:
-  // Stores what an item has added to the result for the part's file.
-  // @param points, left_out  sizes of the result's lists before this item
-  // @param ours_left_out     number that this item has added
+  // Stores what one item has added to the result, for the part file.
+  // @param points, left_out  sizes of these lists before the item was measured
+  // @param ours_left_out     number of our own points that the item has left out
   void Store(std::size_t item, std::size_t points, std::size_t left_out, std::size_t ours_left_out) {
     nlohmann::json added{{"machine", result_.machine},
                          {"tool_spheres", result_.tool_spheres},
@@ -184,7 +185,7 @@ class Scaling {
   const ScalingOptions& options_;
   StudyItems& items_;
   ScalingResult result_;
-  double brute_us_per_sphere_{0.0};  // of the last point without culling
+  double brute_us_per_sphere_{0.0};  // time per sphere at the last point without culling
   bool brute_refused_{false};        // the engine without culling doesn't run: its points are skipped
 };
 

@@ -17,7 +17,7 @@ struct ScalingOptions {
   std::string device{};                 ///< part of a Vulkan device's name; empty: the default device
   std::size_t frames{1000};             ///< timed at each point
   double max_seconds{120.0};            ///< per point; slower points are left out and listed
-  std::filesystem::path json{};         ///< a second copy
+  std::filesystem::path json{};         ///< a second copy of the JSON file
   Sharding sharding{};
 };
 
@@ -35,18 +35,17 @@ struct ScalingResult {
   std::size_t tool_spheres{0};
   std::vector<ScalingPoint> points;
   std::vector<std::string> left_out;  ///< points that were not measured, and why
-  std::size_t ours_left_out{0};       ///< number of these that belong to our own series
-  std::size_t max_spheres{0};         ///< largest number that was asked for
-  std::size_t frames{0};              ///< asked for at each of our points
+  std::size_t ours_left_out{0};       ///< number of left-out points of our own series
+  std::size_t max_spheres{0};         ///< largest number of spheres that was requested
+  std::size_t frames{0};              ///< number of frames requested at each of our points
   bool interrupted{false};            ///< a signal ended it before all was measured
   /// Returns the median frame time at the most spheres divided by that at 100 000 (or the nearest), with the
   /// cut zone unchanged; 0 if there are no two such points.
   [[nodiscard]] double Growth() const;
 };
 
-/// Bad if the chart was ended before all was measured. To be looked at if one of our points is missing or was
-/// timed over fewer frames than asked for. A method that is too slow to be timed is a finding, stated in a
-/// note.
+/// "bad" if the chart was ended before all was measured. "look" if one of our points is missing, or was timed
+/// over fewer frames than requested. A method that is too slow to be timed is a finding, stated in a note.
 [[nodiscard]] session::Verdict Judge(const ScalingResult& result);
 
 [[nodiscard]] std::string ScalingSvg(const ScalingResult& result);

@@ -39,7 +39,8 @@ struct PlacedTask {
   std::vector<simulation::MassPoint> points;
 };
 
-// Measures every step of the ladder at every seed, or reads them from the parts of a study that was split.
+// Measures every step of the ladder at every seed, or reads them from the part files of a study that was
+// split over machines.
 class Measurement {
  public:
   Measurement(const SpeedAccuracyOptions& options, StudyItems& items) : options_(options), items_(items) {
@@ -55,7 +56,8 @@ class Measurement {
     return options.quick ? std::min<std::size_t>(2, options.seeds) : options.seeds;
   }
 
-  // Measures seed by seed over all methods, so that a slow hour of the machine affects all alike.
+  // Measures one seed with all methods before the next seed, so that a slow period of the machine affects all
+  // methods alike.
   tl::expected<SpeedAccuracyResult, std::string> Measure() {
     const std::size_t seeds = ItemCount(options_);
     result_.wanted_seeds = seeds;
@@ -90,7 +92,7 @@ class Measurement {
     std::string why_left_out{};
   };
 
-  // Stores what a seed has added to each rung for the part's file.
+  // Stores what a seed has added to each step of the ladder, for the part file.
   void Store(std::size_t seed) {
     nlohmann::json rungs = nlohmann::json::array();
     for (const Rung& rung : rungs_) {
@@ -232,7 +234,7 @@ class Measurement {
   const SpeedAccuracyOptions& options_;
   StudyItems& items_;
   std::vector<Rung> rungs_;
-  std::deque<Packing> packed_;  ///< for one seed; a deque, so that references stay valid
+  std::deque<Packing> packed_;  ///< packings of one seed; a deque, so that references stay valid
   std::size_t packed_seed_{0};
   SpeedAccuracyResult result_;
 };

@@ -21,7 +21,8 @@ struct SpeedAccuracyOptions {
   bool quick{false};     ///< fewer resolutions, 2 seeds
   std::string device{};  ///< part of a Vulkan device's name; empty: the default device
   std::size_t seeds{5};
-  double max_seconds{60.0};  ///< limit for a method's frames in a task; slower ones are left out, and listed
+  /// Limit for the time of a method's frames in a task; slower methods are left out, and listed.
+  double max_seconds{60.0};
   std::vector<std::string> methods{};  ///< empty: all
   std::filesystem::path json{};
   Sharding sharding{};
@@ -62,7 +63,7 @@ inline constexpr std::array kChartFigures{ChartFigure::kDepth, ChartFigure::kVol
                                           ChartFigure::kNormal, ChartFigure::kRipple};
 [[nodiscard]] SeedRange SeedRangeOf(const SpeedAccuracyPoint& point, ChartFigure figure);
 
-/// Which time of a point's frames counts [us].
+/// The frame time of a point that is compared [us].
 enum class ChartTime {
   kMedian,
   kWorst,  ///< the 99.9th percentile
@@ -75,7 +76,7 @@ enum class ChartTime {
 [[nodiscard]] std::vector<std::vector<std::string>> DominanceTable(const SpeedAccuracyResult& result,
                                                                    ChartTime time);
 
-/// Bad if the chart was ended before all was measured; to be looked at if points are missing.
+/// "bad" if the chart was ended before all was measured; "look" if points are missing.
 [[nodiscard]] session::Verdict Judge(const SpeedAccuracyResult& result);
 
 /// Draws the depth error alone, at the width of a page's column.

@@ -14,7 +14,7 @@ struct RivalPoint {
   bool ours{false};
 };
 
-/// A point of ours, and the other methods' points with both a smaller time and a smaller error.
+/// A point of ours that other methods beat, and their points, each with a smaller time and a smaller error.
 struct BeatenPoint {
   std::size_t ours{0};            ///< index of our point
   std::vector<std::size_t> by{};  ///< indices of the other methods' points
@@ -22,19 +22,21 @@ struct BeatenPoint {
 
 /// Compares other methods' points with ours. All values are indices of points, in the points' order.
 ///
-///     error │   o   ours: o            a  ahead: within its time none of ours is as exact
-///           │ f   a                    f  faster than every one of ours
-///           │       o b                b  beats neither
+///     error │   o   ours: o            a  ahead: no point of ours is both as fast and as exact
+///           │ f   a                    f  faster than every point of ours
+///           │       o b                b  neither of the two
 ///           │           o
-///           └──────────────── time     Both smaller than every one of ours: left of all o and below them.
+///           └──────────────── time     beat_all_ours: left of all o and below all o.
 struct Dominance {
-  bool ours_measured{false};                 ///< otherwise the rest is empty
-  std::vector<std::size_t> beat_all_ours{};  ///< a smaller time and a smaller error than every one of ours
-  std::vector<BeatenPoint> beaten{};         ///< those of ours that at least one other point beats in both
-  /// Other methods' points for which no point of ours is at once as fast and as exact. Without those of
-  /// `faster_than_all_ours`.
+  bool ours_measured{false};  ///< otherwise the rest is empty
+  /// Points with a smaller time and a smaller error than every point of ours.
+  std::vector<std::size_t> beat_all_ours{};
+  /// Our points that at least one other point beats in time and in error.
+  std::vector<BeatenPoint> beaten{};
+  /// Other methods' points for which no point of ours is both as fast and as exact. The points of
+  /// `faster_than_all_ours` are not repeated here.
   std::vector<std::size_t> ahead{};
-  std::vector<std::size_t> faster_than_all_ours{};  ///< points with a smaller time than every one of ours
+  std::vector<std::size_t> faster_than_all_ours{};  ///< points with a smaller time than every point of ours
 };
 
 /// Compares other methods' points with ours. Points that are not finite, or whose time is not positive, are

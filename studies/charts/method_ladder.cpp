@@ -13,7 +13,7 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kReamer_m = 25e-3;  // radius of the reamer for which the steps' lengths are stated
-constexpr double kZone_m = 6.5e-3;   // depth that is packed finely: the cut is 5.5 mm deep at most
+constexpr double kZone_m = 6.5e-3;   // depth of the finely packed layer; the cut is at most 5.5 mm deep
 // Smallest radius of a split ball, divided by the spacing; see SplitParams and SplitPackingParams.
 constexpr double kMinSplit = 0.4 / 2.5;
 
@@ -31,7 +31,7 @@ std::vector<simulation::Ball> Overlapping(const simulation::CutWorkload& work, d
   params.cup_radius_cap_m = cap_m;
   params.cup_depth_m = kZone_m - cap_m;
   params.min_radius_m = 0.1 * cap_m;
-  // the default scene's gap at its spacing of 1.5 mm
+  // the gap that the default scene has at its spacing of 1.5 mm, in proportion
   params.surface_gap_m = std::clamp(0.04e-3 * spacing_m / 1.5e-3, 0.002e-3, 0.1e-3);
   params.samples = {.finest_m = spacing_m / 6.0, .coarser_from_m = {kZone_m}};
   params.seed = seed;
@@ -63,7 +63,7 @@ std::vector<simulation::Ball> Disjoint(const simulation::CutWorkload& work, doub
 }  // namespace
 
 std::vector<MethodStep> MethodLadder(bool quick) {
-  struct Rungs {  // a method's lengths, coarse to fine, and the fewer ones of a quick run
+  struct Rungs {  // a method's lengths, coarse to fine, and the fewer lengths of a quick run
     const char* method;
     std::vector<double> lengths_mm, quick_mm;
   };
@@ -107,7 +107,7 @@ simulation::CuttingParams CuttingForStep(const MethodStep& step, const simulatio
   if (!Splits(step)) return cutting;
   cutting.split.on = true;
   cutting.split.min_radius_m = kMinSplit * ScaledLength(step.length_m, work);
-  cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand
+  cutting.split.pool_blocks = 16'384;  // the reamer's cut takes some thousand blocks
   return cutting;
 }
 
@@ -129,7 +129,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
   made.bone.balls = Splits(step)                 ? ForSplitting(work, length_m, seed)
                     : WantsDisjoint(step.method) ? Disjoint(work, length_m, seed)
                                                  : Overlapping(work, length_m, seed);
-  // Only balls that reach to within 3 mm of the zone's surface count: deeper balls may be larger.
+  // Count only balls that reach to within 3 mm of the zone's surface: deeper balls may be larger.
   for (const simulation::Ball& ball : made.bone.balls)
     if (work.zone->DepthAt(Vector3(ball.center_m)) - ball.radius_m < 3e-3)
       made.r_max_m = std::max(made.r_max_m, ball.radius_m);
@@ -137,7 +137,7 @@ LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& wo
 }
 
 bool SharePacking(const MethodStep& a, const MethodStep& b) {
-  const auto kind = [](const MethodStep& step) {  // of packing
+  const auto kind = [](const MethodStep& step) {  // kind of packing
     return Splits(step) ? 3 : WantsVoxels(step.method) ? 2 : WantsDisjoint(step.method) ? 1 : 0;
   };
   return a.length_m == b.length_m && kind(a) == kind(b);

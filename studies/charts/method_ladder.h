@@ -10,9 +10,9 @@
 
 namespace osteon::studies {
 
-/// One method at one fineness. Lengths are stated for a reamer of 25 mm; for a tool of radius R they are
-/// scaled by sqrt(R / 25 mm), since a smaller tool needs finer bone (the scenes scale about alike:
-/// acetabulum 1.5 mm, molar 0.3 mm).
+/// One method at one fineness. Lengths are stated for a reamer of 25 mm. For a tool of radius R they are
+/// scaled by sqrt(R / 25 mm), since a smaller tool needs finer bone (the spacings of the scenes scale
+/// similarly: acetabulum 1.5 mm, molar 0.3 mm).
 ///
 /// | method              | `length_m` is                                                       |
 /// |---------------------|---------------------------------------------------------------------|
@@ -46,14 +46,14 @@ struct MethodStep {
 /// Scales a step's length, stated for a reamer of 25 mm, to the radius of the workload's tool.
 [[nodiscard]] double ScaledLength(double length_m, const simulation::CutWorkload& work);
 
-/// A workload's bone in the form that a method needs.
+/// A workload's bone in the form that a method needs: balls or voxels.
 struct LadderBone {
   simulation::Bone bone;
   double r_max_m{0.0};  ///< largest radius of its balls; for voxels half the edge
 };
 
 /// Packs a bone for a step; its mass points are `points`, the same for every method.
-/// @throws std::invalid_argument as the packings do.
+/// @throws std::invalid_argument if the packing's parameters are invalid.
 [[nodiscard]] LadderBone PackForStep(const MethodStep& step, const simulation::CutWorkload& work,
                                      const std::vector<simulation::MassPoint>& points, std::uint64_t seed);
 

@@ -124,7 +124,8 @@ report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, C
   double x_least = HUGE_VAL, x_most = 0.0, y_least = HUGE_VAL, y_most = 0.0;
   std::vector<report::CostPoint> front_points;
   for (const MethodStyle& style : kMethodStyles) {
-    // one line per method, in the order of its resolutions; its points on the front strong, the others pale
+    // one line per method, in the order of its resolutions; points on the front are drawn strong, other
+    // points pale
     report::Series line{.name = style.name, .color = style.color, .width_px = 1.0, .opacity = 0.45};
     report::Series strong{.color = style.color, .width_px = 0.0, .marker = style.marker};
     report::Series pale{.color = style.color, .width_px = 0.0, .marker = style.marker, .opacity = 0.4};
@@ -150,7 +151,7 @@ report::LineChart Panel(const SpeedAccuracyResult& result, ChartFigure figure, C
     chart.series.push_back(std::move(pale));
     chart.series.push_back(std::move(strong));
   }
-  // the front: the best error that is possible within a time
+  // the front: the smallest error that any point reaches within a time
   std::sort(front_points.begin(), front_points.end(),
             [](const report::CostPoint& a, const report::CostPoint& b) { return a.x < b.x; });
   report::Series stairs{.color = report::kTextColor, .width_px = 1.6};

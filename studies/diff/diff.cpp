@@ -89,7 +89,7 @@ void Print(const RunDifference& runs, double within_percent) {
     fmt::print("  {}:{}\n    {}\n    {}\n", file.file, file.line, file.first, file.second);
 }
 
-// One value of both runs over the time since each run's first tick; the second run is dashed.
+// Draws one value of both runs over the time since each run's first tick; the second run is dashed.
 report::LineChart Chart(const char* title, const char* unit, const report::ThinCurve& a,
                         rt::Nanoseconds a_first, const report::ThinCurve& b, rt::Nanoseconds b_first) {
   report::LineChart chart{.title = title, .x_label = "time [s]", .y_label = unit, .zooms = true};
@@ -100,7 +100,7 @@ report::LineChart Chart(const char* title, const char* unit, const report::ThinC
   return chart;
 }
 
-// Gain over frequency of each response that two excited runs have in common.
+// Draws gain over frequency, for each response that both runs of `osteon identify` have.
 std::string ResponseSvg(const RunDifference& runs) {
   std::vector<report::LineChart> panels;
   for (const ResponseDifference& response : runs.responses) {

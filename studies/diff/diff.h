@@ -9,14 +9,16 @@ namespace osteon::studies {
 /// Options of `osteon diff`.
 struct DiffOptions {
   std::array<std::filesystem::path, 2> recordings{};
-  double within_percent{1.0};    ///< difference, in % of a figure's size, up to which it counts as the same
+  /// Two values of a figure count as the same if they differ by at most this share of its size [%].
+  double within_percent{1.0};
   std::filesystem::path out{};   ///< folder for diff.html; empty: no page
   std::filesystem::path json{};  ///< osteon.diff/1; empty: none
   std::string command_line{};    ///< shown on the page
 };
 
-/// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration; two of
-/// `osteon identify` also by their excitation and by what identify finds in them.
+/// Runs `osteon diff`: compares two recordings by their figures, faults, limits and configuration. Two
+/// recordings of `osteon identify` are also compared by their excitation and by the results that identify
+/// estimates from them.
 /// @returns the process's exit code: 0 no figure differs and no fault is new; 1 a figure differs or a fault
 /// is new; 2 a recording can't be read, or the two are of different kinds.
 [[nodiscard]] int RunDiff(const DiffOptions& options);

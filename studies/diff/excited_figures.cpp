@@ -14,10 +14,10 @@
 namespace osteon::studies {
 namespace {
 
-// Lines of two responses count as the same up to this many standard deviations of their difference.
+// Two lines count as the same if they differ by at most this many standard deviations of their difference.
 constexpr double kDeviations = 2.0;
 
-// The kind of an excited run; only runs of the same kind are compared.
+// The kind of a run of `osteon identify`; only runs of the same kind are compared.
 const char* KindOf(const ExcitationRequest& request) {
   if (request.rest_s > 0.0) return request.held ? "a tremor run" : "a noise run";
   if (request.joint > 0) return "a run of a joint";
@@ -32,8 +32,9 @@ std::string ExcitationOf(const ExcitationRequest& request) {
                      request.periods);
 }
 
-// Adds an estimate as a figure; two runs count as the same within the estimate's interval.
-// @param in  the figure's unit, in SI: 1e-3 for ms
+// Adds an estimate as a figure. Two runs count as the same if they differ by at most the half width of the
+// estimate's interval.
+// @param in  size of the figure's unit in SI: 1e-3 for ms
 void Add(const char* name, const char* key, const char* unit, const Estimate& estimate, double in,
          ExcitedFigures& excited) {
   excited.figures.push_back({.name = name,
@@ -43,7 +44,7 @@ void Add(const char* name, const char* key, const char* unit, const Estimate& es
                              .least_difference = std::abs(estimate.half_width) / in});
 }
 
-// @param by  the signal that the response was measured by
+// @param by  name of the signal by which the response was measured
 void AddResponse(const char* by, const MeasuredResponse& response, ExcitedFigures& excited) {
   RecordedResponse& recorded = excited.responses.emplace_back();
   recorded.by = by;
@@ -131,7 +132,7 @@ const LineDifference& ResponseDifference::worst() const {
   });
 }
 
-// Two lines are at the same frequency if theirs differ by at most this share.
+// Two lines count as being at the same frequency if their frequencies differ by at most this share.
 constexpr double kSameFrequency = 1e-6;
 
 std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, const ExcitedFigures& second,
@@ -154,7 +155,7 @@ std::vector<ResponseDifference> CompareResponses(const ExcitedFigures& first, co
       difference.lines.push_back(
           {.first = line_a,
            .second = line_b,
-           // sd is that of one part: real and imaginary part together have sqrt(2) times as much
+           // sd is that of one part: the real and imaginary parts together have sqrt(2) times as much
            .accepted =
                std::max(within * size, kDeviations * std::sqrt(2.0) * std::hypot(line_a.sd, line_b.sd))});
     }

@@ -19,7 +19,7 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// The first line in which two texts of a file differ; a line that one text lacks is empty.
+// Finds the first line in which two texts of a file differ; a line that one text lacks is empty.
 ConfigDifference FirstDifferingLine(const std::string& file, const std::string& first,
                                     const std::string& second) {
   const std::vector<std::string> a = Lines(first), b = Lines(second);
@@ -46,7 +46,7 @@ std::vector<ConfigDifference> CompareConfig(const io::SessionInfo& first, const 
   return differences;
 }
 
-// A line "name: first | second" for each property of the sessions that differs.
+// Returns a line "name: first | second" for each property of the sessions that differs.
 std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io::SessionInfo& second) {
   std::vector<std::string> lines;
   const auto compare = [&](const char* name, const std::string& a, const std::string& b) {
@@ -66,7 +66,7 @@ std::vector<std::string> CompareSessions(const io::SessionInfo& first, const io:
   return lines;
 }
 
-// Names of the faults of `run` that `other` does not have.
+// Names of the faults that `run` has and `other` has not.
 std::vector<std::string> FaultsOnlyIn(const RunFigures& run, const RunFigures& other) {
   std::vector<std::string> names;
   session::ForEachFault(run.faults, [&](safety::Fault fault, const safety::FaultText& text) {
@@ -84,7 +84,7 @@ FigureDifference Compare(const RunFigure& a, const RunFigure& b, double within) 
                                 within * std::max(std::abs(a.value), std::abs(b.value))})};
 }
 
-// Compares the results of identify for both runs.
+// Compares the results that identify estimates from both runs.
 // @param only  receives a line for each result that only one of the runs has
 void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, double within,
                     std::vector<std::string>& only, RunDifference& runs) {
@@ -108,7 +108,7 @@ void CompareExcited(const ExcitedFigures& first, const ExcitedFigures& second, d
       only.push_back(fmt::format("the {} run was not estimated: {}", which, run->refused));
 }
 
-// The verdict's reason for a response that differs: how many lines, and the worst of them.
+// Describes a response that differs, for the verdict: how many lines differ, and which one the most.
 std::string ResponseText(const ResponseDifference& response) {
   const LineDifference& worst = response.worst();
   return fmt::format(
@@ -120,7 +120,7 @@ std::string ResponseText(const ResponseDifference& response) {
 }
 
 // The verdict of RunDifference, with a reason for each difference.
-// @param only  results that only one of two excited runs has
+// @param only  results of identify that only one of the two runs has
 report::ReportVerdict Judge(const RunDifference& runs, const RunFigures& first, const RunFigures& second,
                             const std::vector<std::string>& only) {
   report::ReportVerdict verdict;

@@ -19,9 +19,9 @@ namespace {
 
 using console::Length;
 
-// Sums and maxima, gathered tick by tick and frame by frame.
+// Sums and maxima, accumulated tick by tick and frame by frame.
 struct Gathered {
-  std::uint64_t rendering{0}, frames{0};  // number of ticks that rendered, and of frames
+  std::uint64_t rendering{0}, frames{0};  // number of ticks that rendered a force, and number of frames
   double force_sum_N{0.0}, peak_force_N{0.0}, peak_hand_N{0.0}, peak_speed_m_per_s{0.0}, tool_in_bone_m{0.0};
   double least_share{1.0};  // least factor by which the limits scaled the force
   double most_age_s{0.0};   // age of the oldest contact model
@@ -64,7 +64,7 @@ double Percentile99_us(const report::DurationCounts& durations) {
   return 1e-3 * static_cast<double>(durations.At((durations.count() - 1) * 99 / 100));
 }
 
-// Adds the largest displacement of each part that gives way; 0 if the part is rigid.
+// Adds the largest displacement of each compliant part; 0 if the part is rigid.
 void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>& figures) {
   constexpr double kLeast_mm = 0.02;  // smaller differences never count
   const auto add_mm = [&](const char* name, const char* key, double value_m) {
@@ -81,7 +81,7 @@ void AddDeflections(const session::PeakDeflection& peak, std::vector<RunFigure>&
                      .least_difference = 0.02});
 }
 
-// Adds the mean latencies of the run; they include the time that the machine took.
+// Adds the mean latencies of the run. They include the machine's computing times, so they are not judged.
 void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
   const session::LatencyFigures latency = all.latency.Figures(all.period_s, {});
   const auto add = [&](const char* name, const char* key, double value_s) {
@@ -91,7 +91,7 @@ void AddLatency(const Gathered& all, std::vector<RunFigure>& figures) {
   add("latency from bone to hand", "latency_bone_to_hand_ms", latency.bone_to_hand_s);
 }
 
-// The figures of a run, from its sums. Two runs always have the same figures in the same order.
+// Computes the figures of a run from its sums. The figures and their order are the same for all runs.
 std::vector<RunFigure> Figures(const Gathered& all) {
   const auto ticks = static_cast<double>(std::max<std::uint64_t>(1, all.rendering));
   std::vector<RunFigure> figures{{.name = "rendered",

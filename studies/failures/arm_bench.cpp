@@ -12,14 +12,15 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 1e-3;
-constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;  // above 0: ticks before it need time stamps, too
+// Time at which the arm is handed over; above 0, since the ticks before it need time stamps, too.
+constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;
 
-// Source of the commanded joints. Receives the tick (below 0: the arm waits), the measured joints and the
-// wrench on the tool, and fills in its part of the tick's record.
+// Computes the commanded joints of a tick. It receives the tick (negative: the arm waits), the measured
+// joints and the wrench on the tool, and fills in its part of the tick's record.
 using Commander =
     std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
 
-// Simulates the arm in the scene, commanded by `command`. @returns the ticks from the hand-over on
+// Simulates the arm in the scene, commanded by `command`. @returns the ticks from the hand-over of the arm on
 std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene, const Commander& command) {
   const kinematics::LbrArm arm(params.arm);
   hil::ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
@@ -44,7 +45,7 @@ std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene
   return ride;
 }
 
-// A hand that leads the tool along a path, at the tool's origin.
+// The scene of a hand that leads the tool's origin along a path.
 ArmScene SceneOf(const hil::OperatorHandParams& params, const HandPath& path) {
   return {.hand = [params, path, hand = hil::HandImpedance(params)](int tick, const Pose& X_WT,
                                                                     const Twist& V_WT) mutable {
@@ -55,7 +56,7 @@ ArmScene SceneOf(const hil::OperatorHandParams& params, const HandPath& path) {
   }};
 }
 
-// The same ride with the path's goal in every tick.
+// Returns the same run with the path's goal entered in every tick.
 std::vector<ArmRideTick> WithGoals(std::vector<ArmRideTick> ride, const HandPath& path) {
   for (std::size_t i = 0; i < ride.size(); ++i) ride[i].goal = path(static_cast<double>(i) * kDt_s);
   return ride;
@@ -147,7 +148,7 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
                 Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
                 const simulation::ContactModel model =
                     scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
-                // reading of a sensor without mounting and tool: at the flange, in its frame
+                // reading of a sensor at the flange, in the flange's frame, without the tool's weight
                 const Pose X_WF = arm.FlangePose(q_meas);
                 Wrench F_S = hil::SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
                 if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
@@ -178,11 +179,12 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPa
 std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
                                     const StepMethod& method) {
   const kinematics::LbrArm arm(params.arm);
-  const control::ServoParams defaults;  // for the law and the speed limits, as in the loop
+  // the parameters that the servo loop has by default, for the law and the speed limits
+  const control::ServoParams defaults;
   JointVector q = params.q_start;
   Twist V;
   const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
-    // the virtual tool is at the joints' pose, as in the loop
+    // the virtual tool is reset to the pose of the commanded joints, as the servo loop does
     Twist V_next;
     tick.fault = !control::NextTwist(
         defaults.admittance,

@@ -10,7 +10,7 @@
 
 namespace osteon::studies {
 
-/// Adds balls and mass points of `from` to those of `to`; the materials stay those of `to`.
+/// Adds the balls and mass points of `from` to `to`. The materials of `to` do not change.
 void Append(const simulation::Bone& from, simulation::Bone& to);
 
 /// The same bone with one coefficient of friction throughout.

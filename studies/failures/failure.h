@@ -21,7 +21,7 @@ namespace osteon::studies {
 struct FailureSeries {
   std::string name{};
   std::vector<double> x{}, y{};  ///< of the same length
-  bool ours{false};              ///< otherwise of the baseline, or common to both
+  bool ours{false};              ///< a line of our method; false: of the baseline, or common to both
 };
 
 /// A scenario's picture: the data behind the metric.
@@ -40,25 +40,26 @@ struct FailureResult {
   std::string baseline_name{};   ///< description of the baseline: "pointshell, voxels of 0.25 mm"
   double bound{0.0}, baseline{0.0}, ours{0.0};
   bool baseline_fails{false}, ours_passes{false};
-  std::string note{};  ///< other observations: secondary figures, counts; empty, or one or two sentences
+  /// One or two sentences with other observations, such as secondary figures and counts; may be empty.
+  std::string note{};
   FailurePlot plot{};
 };
 
-/// Makes "ours": the reference engine, or an engine that this folder must not depend on. May throw; the
-/// scenario then ends with that exception.
+/// Makes the engine of our method: the reference engine, or an engine that this folder must not depend on.
+/// May throw; the scenario then ends with that exception.
 using EngineFactory = std::function<std::unique_ptr<simulation::CuttingEngine>(
     const simulation::Bone&, const simulation::Tool&, const Pose& X_WG, const simulation::CuttingParams&)>;
 
-/// Amount of computation: kTest takes a few seconds of one core on the reference engine, kFull is what
-/// failures.md asks for.
+/// Amount of computation. kTest: a few seconds on one core with the reference engine. kFull: the extent that
+/// failures.md requires.
 enum class FailureSize : std::uint8_t { kTest, kFull };
 
 /// The engine, amount of computation and progress report of a scenario's run.
 struct FailureSetting {
   EngineFactory make_engine;  ///< "ours"
   FailureSize size{FailureSize::kTest};
-  /// Called now and then with the share that is done, 0 … 1; may be empty. Returns false to stop early: the
-  /// scenario then returns its results so far, marked as not passed.
+  /// Called now and then with the share that is done, 0 … 1; may be empty. If it returns false, the scenario
+  /// stops early and returns its results so far, marked as not passed.
   std::function<bool(double)> progress{};
 
   [[nodiscard]] bool full() const { return size == FailureSize::kFull; }

@@ -26,7 +26,7 @@
 namespace osteon::studies {
 namespace {
 
-/// Makes engines for "ours", and remembers their device.
+/// Makes the engines of our method, and stores the name of their device.
 class Engines {
  public:
   explicit Engines(const FailureOptions& options)
@@ -64,7 +64,7 @@ tl::expected<std::vector<FailureScenario>, std::string> Choose(const std::vector
   return chosen;
 }
 
-// The verdict that the table prints for a scenario.
+// The outcome that the table prints for a scenario.
 std::string OutcomeText(const FailureRun& run) {
   if (!run.error.empty()) return "no result";
   if (!run.result.baseline_fails) return "BASELINE DOES NOT FAIL";
@@ -103,11 +103,12 @@ std::string InputsOf(const std::vector<FailureScenario>& scenarios, const Failur
   return text;
 }
 
-/// Runs the scenarios that are computed here. On Ctrl-C it ends with those that are complete.
-/// @returns an error if there is no such engine on this machine.
+/// Runs the scenarios that this process computes. After Ctrl-C the result has the complete scenarios only.
+/// @returns an error if the engine cannot run on this machine.
 tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scenarios,
                                        const FailureOptions& options, StudyItems& items) {
-  // try the engine with one ball first: an engine that cannot run on this machine is not a failed scenario
+  // Try the engine with one ball first, so that an engine that cannot run here is an error and not a failed
+  // scenario.
   Engines engines(options);
   simulation::Bone pebble;
   pebble.balls = {{.center_m = {}, .radius_m = 1e-3}};
@@ -146,7 +147,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
     run.result.id = scenario.id;
     run.result.name = scenario.name;
     run.seconds = rt::ToSeconds(rt::MonotonicNow()) - begun_s;
-    if (base::Interrupted()) break;  // an incomplete scenario does not count
+    if (base::Interrupted()) break;  // leave the incomplete scenario out
     if (items.IsShard())
       items.Store(item,
                   {{"engine", runs.engine}, {"device", engines.device()}, {"scenario", FailureItem(run)}});
@@ -157,7 +158,7 @@ tl::expected<Runs, std::string> RunAll(const std::vector<FailureScenario>& scena
   return runs;
 }
 
-/// Reads the outcomes of all `count` scenarios from the parts of a study that was split.
+/// Reads the outcomes of all `count` scenarios from the part files of a study that was split over machines.
 Runs Restore(const StudyItems& items, std::size_t count) {
   Runs runs;
   for (std::size_t i = 0; i < count; ++i) {

@@ -11,14 +11,15 @@ namespace osteon::studies {
 
 /// Options of `osteon failures`.
 struct FailureOptions {
-  std::vector<int> ids{};            ///< empty: every scenario
-  std::filesystem::path out{};       ///< folder for one picture per scenario and failures.html; empty: none
-  std::filesystem::path markdown{};  ///< a page that shows the pictures of `out`; empty: none
-  std::filesystem::path json{};      ///< empty: none
-  std::string device{};              ///< part of a Vulkan device's name; empty: the best there is
-  std::string engine{"auto"};        ///< "ours": one of EngineNames
-  bool quick{false};                 ///< the tests' size: seconds instead of minutes
-  std::string command_line{};        ///< the command that repeats the run
+  std::vector<int> ids{};       ///< empty: every scenario
+  std::filesystem::path out{};  ///< folder for failures.html and one picture per scenario; empty: none
+  /// File for the page as Markdown, which shows the pictures of `out`; empty: none.
+  std::filesystem::path markdown{};
+  std::filesystem::path json{};  ///< empty: none
+  std::string device{};          ///< part of a Vulkan device's name; empty: the best there is
+  std::string engine{"auto"};    ///< "ours": one of EngineNames
+  bool quick{false};             ///< computes with FailureSize::kTest: seconds instead of minutes
+  std::string command_line{};    ///< the command that repeats the run
   Sharding sharding{};
 };
 
@@ -26,8 +27,8 @@ struct FailureOptions {
 struct FailureRun {
   FailureResult result;
   double seconds{0.0};
-  std::string error{};  ///< why it ended without a result; empty if it has one
-  /// Whether the baseline was seen to fail and our method kept the bound.
+  std::string error{};  ///< why the scenario ended without a result; empty: there is a result
+  /// Whether the baseline failed and our method kept the bound.
   [[nodiscard]] bool passed() const { return error.empty() && result.baseline_fails && result.ours_passes; }
 };
 

@@ -19,19 +19,19 @@ constexpr double kDt_s = 1e-3, kTap_N = 2.0, kTap_s = 0.02;  // force and length
 constexpr double kWindow_s = 0.5;                            // time over which a swing is measured
 constexpr double kToolRadius_m = 0.025;
 
-// Messages on the wires. A newer message has a higher stamp.
+// Messages on the wires. A newer message has a later stamp.
 struct PoseDatagram {
   rt::Nanoseconds stamp{-1};
   PlainVector3 p_W_m;
 };
 struct ForceDatagram {
   rt::Nanoseconds stamp{-1};       // time of creation
-  rt::Nanoseconds pose_stamp{-1};  // of the pose that it answers
+  rt::Nanoseconds pose_stamp{-1};  // stamp of the pose for which the force was computed
   PlainVector3 f_W{};
 };
 
-// The message that a client keeps of those received: one that uses the stamps keeps the newest message, a
-// naive client the last one received. ReceiveDue returns whether any message arrived.
+// Which of the received messages a client keeps: a client that uses the stamps keeps the newest one, a naive
+// client keeps the one received last. ReceiveDue returns whether any message arrived.
 enum class Keep { kNewest, kLast };
 template <class T>
 bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& value) {
@@ -46,7 +46,7 @@ bool ReceiveDue(hil::ImpairedWire& wire, rt::Nanoseconds now, Keep keep, T& valu
   }
   return came;
 }
-// Sends a message, byte by byte as it is in memory.
+// Sends a message as its bytes in memory.
 template <class T>
 void Send(hil::ImpairedWire& wire, rt::Nanoseconds now, const T& value) {
   wire.Push({reinterpret_cast<const std::uint8_t*>(&value), sizeof value}, now);
@@ -58,7 +58,8 @@ struct ModelDatagram {
   ContactModel model;
 };
 
-// Contact of the tool's ball in the cup's sphere, centred on W's origin: one contact, toward the centre.
+// Computes the contact of the tool's ball in the cup, a sphere about W's origin: one contact, whose normal
+// points to the centre.
 ModelDatagram Frame(const PacketRideParams& params, const PoseDatagram& pose, rt::Nanoseconds now,
                     std::uint64_t frame) {
   const Vector3 p = pose.p_W_m;
@@ -95,14 +96,14 @@ double Swing(const std::vector<Vector3>& p_W_m, double from_s, double to_s) {
   return (high - low).norm();
 }
 
-// The controller: its knowledge of wall and hand, and the shipped law.
+// The controller, with the newest messages about wall and hand, and the shipped law.
 class Controller {
  public:
   explicit Controller(const PacketRideParams& params) : params_(params) {
     law_.mass_kg.setConstant(params.mass_kg);
     law_.damping_Ns_per_m.setConstant(params.damping_Ns_per_m);
     coupling_.max_stiffness_N_per_m = params.wall_N_per_m;
-    coupling_.damping_Ns_per_m = 0.0;  // only the drag dissipates, as with the other methods
+    coupling_.damping_Ns_per_m = 0.0;  // only the drag dissipates energy, as with the other methods
     state_.X_WT.translation() = Vector3(0.0, 0.0, -params.clearance_m);
   }
 
@@ -119,7 +120,8 @@ class Controller {
       const control::CouplingOutput out = control::EvaluateCoupling(
           coupling_, {.model = model_.model, .X_WT = state_.X_WT, .V_WT = state_.V_WT, .now = now},
           coupling_state_);
-      // as in ServoLoop: age slows the hand's force and the motion by the same factor that fades the coupling
+      // As in ServoLoop: the age scales down the hand's force and the motion by the factor by which it fades
+      // the coupling.
       fade = out.fade;
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);
       f_hand *= fade * safety::AgeFade(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
@@ -137,7 +139,7 @@ class Controller {
     F.f += f_hand;
     if (!control::NextTwist(law_, {.X_WT = state_.X_WT, .V_WT = state_.V_WT, .F_T_W = F, .dt_s = kDt_s},
                             state_.V_WT))
-      return;  // the tool holds its place
+      return;  // the tool stays in its place
     state_.X_WT =
         control::IntegratePose(state_.X_WT, {.v = fade * state_.V_WT.v, .w = Vector3::Zero()}, kDt_s);
   }
@@ -145,7 +147,7 @@ class Controller {
   [[nodiscard]] Vector3 p_W_m() const { return state_.X_WT.translation(); }
 
  private:
-  // Updates the ride's largest age of the wall's answer and largest force of the wall.
+  // Updates the run's largest age of the wall's answer, and the largest force of the wall.
   static void RecordForce(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N, PacketRide& ride) {
     if (pose_stamp >= 0) ride.wall_age_s = std::max(ride.wall_age_s, rt::ToSeconds(now - pose_stamp));
     ride.max_wall_N = std::max(ride.max_wall_N, force_N);
@@ -187,7 +189,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
     const rt::Nanoseconds now = i * rt::kMillisecond;
     const double t_s = rt::ToSeconds(now);
 
-    // the simulation answers each new pose
+    // The simulation answers each new pose.
     const rt::Nanoseconds before = seen.stamp;
     ReceiveDue(pose, now, Keep::kNewest, seen);
     if (seen.stamp > before) {
@@ -202,7 +204,7 @@ PacketRide RidePackets(const PacketRideParams& params) {
                  .stamp = now, .pose_stamp = seen.stamp, .f_W = Vector3(push_N * Vector3(contact.n_W))});
     }
 
-    // the arm has reached its command, and the sensor reads every period
+    // The arm is at the newest command that it received; the sensor measures in every period.
     ReceiveDue(command, now, Keep::kNewest, commanded);
     if (commanded.stamp >= 0) {
       const Vector3 spring = params.hand_N_per_m * (p_held - Vector3(commanded.p_W_m));

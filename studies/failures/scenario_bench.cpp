@@ -13,7 +13,8 @@ namespace osteon::studies {
 
 simulation::Bone MakeBlock(const BlockParams& params) {
   const double r = params.ball_radius_m;
-  // Space in which the balls' centres lie; a lattice of at most 2/3 r along each axis fills it.
+  // Size of the space in which the balls' centres lie. The lattice that fills it has a spacing of at most 2/3
+  // of the radius along each axis.
   const Vector3 centre_range_m = params.high_m - params.low_m - Vector3::Constant(2.0 * r);
   if (centre_range_m.minCoeff() < -1e-12)
     throw std::invalid_argument("block: found a side shorter than two ball radii");
@@ -52,7 +53,7 @@ simulation::Tool MakeBallTool(double radius_m) {
 
 Pose Downwards(const Vector3& p_m) {
   Pose X = Pose::Identity();
-  // half a turn about x: the tool's z axis, its feed, points to -z
+  // half a turn about x, so that the feed, the tool's z axis, points to -z
   X.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
   X.translation() = p_m;
   return X;

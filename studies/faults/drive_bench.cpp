@@ -6,7 +6,7 @@
 namespace osteon::studies {
 namespace {
 
-// Parameters as a cell's file would give them, for a tool that turns at 26 rad/s (FaultRig).
+// Parameters as a cell's file would state them, for a tool that turns at 26 rad/s (as in FaultRig).
 io::DeviceParams BenchDevices() {
   io::DeviceParams devices;
   devices.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};

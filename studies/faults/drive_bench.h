@@ -10,11 +10,11 @@
 
 namespace osteon::studies {
 
-/// The reamer's drive on its bus as in a cell, in virtual time: io::DeviceClients on one end, the simulated
-/// drive on the other. Between them frames can be withheld or forged.
+/// The reamer's drive on its CAN bus as in a cell, in virtual time: io::DeviceClients at one end, the
+/// simulated drive at the other. Frames between the two ends can be withheld or forged.
 class DriveBench {
  public:
-  /// The drive is switched on at `now`.
+  /// Switches the drive on at `now`.
   /// @throws std::logic_error if the clients refuse the bench's parameters.
   explicit DriveBench(rt::Nanoseconds now);
 
@@ -27,16 +27,16 @@ class DriveBench {
   [[nodiscard]] hil::DriveDevice& device() { return device_; }
   [[nodiscard]] io::DeviceClients& clients() { return *clients_; }
 
-  /// Whether a frame from the drive reaches the controller; empty: each does.
+  /// Returns whether a frame from the drive reaches the controller; empty: every frame does.
   std::function<bool(const io::CanFrame&)> passes{};
 
  private:
-  /// Exchanges one step's frames at `now_`: commands to the drive, the drive's answers that pass, a forged
-  /// frame.
+  /// Exchanges one step's frames at `now_`: the commands to the drive, those answers of the drive that pass,
+  /// and a forged frame.
   void Step(const control::CellCommands& commands);
 
   struct Forged {
-    bool waits{false};  ///< to be sent in the next step
+    bool waits{false};  ///< the frame is to be sent in the next step
     io::CanFrame frame{};
   };
   rt::Nanoseconds now_{0};

@@ -20,26 +20,27 @@ constexpr rt::Nanoseconds kRunsBefore = 900 * rt::kMillisecond;
 constexpr std::uint16_t kHeartbeat = 0x710;     // CAN identifier of the drive's heartbeat
 constexpr std::uint8_t kPreOperational = 0x7F;  // NMT state in a heartbeat
 
-// Ticks to detection.
+// Ticks from a fault to its detection.
 constexpr int kAtOnce = 1;
 constexpr int kStatusLost = 46;      // ten cycles of 4 ms, and some ticks
 constexpr int kHeartbeatLost = 152;  // three heartbeats of 50 ms, and some ticks
-constexpr int kLong = 500;           // ticks that a fault lasts
-constexpr int kAllResets = 2400;     // ticks until every reset was tried, half a second between resets
+constexpr int kLong = 500;           // ticks for which a fault lasts
+constexpr int kAllResets = 2400;     // ticks until every reset was tried; resets are half a second apart
 
-/// Applies the fault to the drive; `since` as in RigInjection.
+/// Applies the fault to the drive. @param since  ticks since the injection began, from 0
 using DriveInjection = std::function<void(DriveBench& bench, int since, bool before_motion)>;
 
-// Injects a fault into a run's drive, and checks the drive's resets: up to DriveReset::kAttempts are allowed
-// before the first motion and in a recovery, none otherwise.
+// Injects a fault into the drive of a run, and checks the drive's resets: up to DriveReset::kAttempts are
+// allowed before the first motion and in a recovery, none at any other time.
 class WatchedDrive {
  public:
-  // @param runs_before  the drive is configured and at speed even if the cell waits when the fault begins
+  // @param runs_before  true: when the fault begins the drive is configured and at speed, even if the cell
+  // still waits
   WatchedDrive(DriveInjection injection, bool runs_before)
       : inject_(std::move(injection)), runs_before_(runs_before) {}
 
   // Replaces the tick's spindle reading by that of the faulty drive.
-  // @throws std::logic_error if the drive is reset when it must not be
+  // @throws std::logic_error if the drive was reset when it must not be, or too often
   void operator()(RigInputs& in, int since, FaultRig& rig) {
     const CellState state = rig.loop().state();
     const control::CellCommands commands = rig.loop().cell_commands();
@@ -66,8 +67,8 @@ class WatchedDrive {
   std::shared_ptr<DriveBench> bench_;
 };
 
-// Expected reactions: before the first motion the drive is reset or configured again and the cell begins.
-// During a run the fault stops the cell, and the drive is not reset until a person decides.
+// Expected reactions: before the first motion the drive is reset or configured again, and the cell begins.
+// During a run the fault stops the cell, and the drive is not reset until a person starts a recovery.
 FaultCase DriveCase(const char* name, const char* injected, int ticks, bool runs_before,
                     DriveInjection injection) {
   safety::FaultSet fault;
@@ -91,7 +92,8 @@ io::CanFrame HeartbeatOf(std::uint8_t nmt_state) {
   return {.id = kHeartbeat, .size = 1, .data = {nmt_state}};
 }
 
-// The drive loses its supply and gets it back, or is switched on for the first time.
+// During a run, interrupts the drive's supply for one tick. Before motion it does nothing: the drive was just
+// switched on.
 void Boot(DriveBench& bench, int since, bool before_motion) {
   if (before_motion) return;
   if (since == 0) bench.device().SetPower(false);

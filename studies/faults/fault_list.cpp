@@ -1,4 +1,5 @@
-// The faults of the matrix. The ticks to detection follow from the watchdogs' ages (WatchdogParams).
+// The faults of the matrix. The expected ticks from a fault to its detection follow from the watchdogs' ages
+// (WatchdogParams).
 
 #include <algorithm>
 #include <initializer_list>
@@ -21,18 +22,19 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHuge = 1e308;
 
-// Ticks to detection, at 1 ms.
+// Ticks from a fault to its detection; a tick has 1 ms.
 constexpr int kAtOnce = 1;
-constexpr int kNextTick = 2;            // detected after the tick in which it happens
+constexpr int kNextTick = 2;            // detected in the tick after that in which the fault occurs
 constexpr int kSilentDevice = 102;      // 100 ms
-constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose
+constexpr int kSilentSimulation = 254;  // 250 ms after the newest pose that the simulation answered
 constexpr int kPushed = 5;              // SensorForceParams::ticks: a force above the limit
 constexpr int kMissed = 5;              // WatchdogParams::arm_misses: messages in a row
 constexpr int kSpindleBeyond = 52;      // the rig's trip_s
-constexpr int kDrifted = 450;           // until max_tracking_error is reached at the speed along the plane
-constexpr int kDriftedOnItsWay = 800;   // the same at the start path's speed
-constexpr int kLong = 500;              // ticks that such a fault lasts
-constexpr int kThrownAgain = 40;        // ticks from one jump to the next
+// Until max_tracking_error is reached at the tool's speed along the plane.
+constexpr int kDrifted = 450;
+constexpr int kDriftedOnItsWay = 800;  // until max_tracking_error is reached at the start path's speed
+constexpr int kLong = 500;             // ticks for which a slowly detected fault lasts
+constexpr int kThrownAgain = 40;       // ticks from one jump to the next
 
 // The set of these faults.
 safety::FaultSet Of(std::initializer_list<Fault> faults) {
@@ -58,9 +60,10 @@ bool HasAny(safety::FaultSet faults, std::initializer_list<Fault> of) {
   return std::any_of(of.begin(), of.end(), [&](Fault fault) { return faults.Has(fault); });
 }
 
-// Expected reactions to a fault of a device that rendering needs: nothing begins without it, rendering stops,
-// and a stop 2 becomes a stop 1 if the fault is noticed before rest. The force sensor is watched wherever the
-// arm moves, and the spindle also on the start path; the start path continues without the others.
+// Expected reactions to a fault of a device that rendering needs. Nothing begins without the device, and
+// rendering stops. A stop 2 becomes a stop 1 if the fault is detected before the arm is at rest. The force
+// sensor is checked whenever the arm moves, the spindle also on the start path. A fault of any other device
+// does not interrupt the start path.
 FaultCase DeviceCase(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                      RigInjection inject) {
   const bool sensor =
@@ -77,8 +80,8 @@ FaultCase DeviceCase(const char* name, const char* injected, safety::FaultSet fa
           .stop1 = sensor && ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn,
           .stop2 = ticks <= kPushed ? Stops(faults, ticks) : kBrakesOn};
 }
-// Expected reactions to a fault of an input that only rendering uses: during a stop 2 only its age is
-// checked.
+// Expected reactions to a fault of an input that only rendering uses. During a stop 2 only the age of the
+// input is checked.
 FaultCase ModelCase(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                     RigInjection inject) {
   FaultCase made = DeviceCase(name, injected, faults, ticks, std::move(inject));
@@ -87,7 +90,7 @@ FaultCase ModelCase(const char* name, const char* injected, safety::FaultSet fau
   if (!faults.Has(Fault::kModelStale) || ticks > kPushed) made.stop2 = kBrakesOn;
   return made;
 }
-// A fault that the loop tolerates: the cell goes on, and a stop in progress continues.
+// A fault that the cell must tolerate: it goes on, and a stop that has begun continues.
 FaultCase Tolerated(const char* name, const char* injected, int lasts, RigInjection inject) {
   return {.name = name,
           .injected = injected,
@@ -100,7 +103,8 @@ FaultCase Tolerated(const char* name, const char* injected, int lasts, RigInject
           .stop1 = kBrakesOn,
           .stop2 = kBrakesOn};
 }
-// The arm left COMMANDING_ACTIVE: its messages have this session state, in which it follows no command.
+// The arm has left COMMANDING_ACTIVE: its messages report this session state, in which the arm follows no
+// command.
 FaultCase SessionCase(const char* name, SessionState session) {
   const Expected stops = Stops(Of({Fault::kSession}), kAtOnce, StopCategory::kStop0);
   Expected ends = stops;
@@ -122,7 +126,7 @@ FaultCase SessionCase(const char* name, SessionState session) {
           .stop1 = ends,
           .stop2 = stops};
 }
-// A fault that is noticed at once in every state: each motion stops.
+// A fault that is detected at once in every state, and stops every motion.
 FaultCase NoticedAtOnce(const char* name, const char* injected, safety::FaultSet faults, RigInjection inject,
                         int ticks = kAtOnce) {
   return {.name = name,
@@ -139,7 +143,8 @@ FaultCase NoticedAtOnce(const char* name, const char* injected, safety::FaultSet
 FaultCase NotFiniteCase(const char* name, const char* injected, RigInjection inject) {
   return NoticedAtOnce(name, injected, Of({Fault::kNotFinite}), std::move(inject));
 }
-// The arm cannot be commanded: a stop 0 wherever it moves. @param waiting  the reaction before motion
+// The arm cannot be commanded: a moving arm needs a stop 0. @param waiting  the required reaction before
+// motion
 FaultCase LostArm(const char* name, const char* injected, safety::FaultSet faults, int ticks,
                   Expected waiting, RigInjection inject) {
   const Expected stops = Stops(faults, ticks, StopCategory::kStop0);
@@ -208,7 +213,8 @@ void AddArm(std::vector<FaultCase>& cases) {
     FaultCase made = SessionCase("arm left and came back unseen", SessionState::kCommandingActive);
     made.injected = "handed over anew between two messages";
     made.inject = [](RigInputs& in, int since, FaultRig& rig) {
-      if (since != 0 || safety::Waits(rig.loop().state())) return;  // no session to leave yet
+      // before motion there is no session to leave
+      if (since != 0 || safety::Waits(rig.loop().state())) return;
       rig.HandOver();
       ++in.arm.activation;
       in.arm.session = SessionState::kCommandingActive;
@@ -250,7 +256,7 @@ void AddArm(std::vector<FaultCase>& cases) {
                      .stop2 = stops});
   }
   {
-    // RSI with HOLDON 0 does this: its corrections drop to zero when an answer is lost
+    // An arm with RSI and HOLDON 0 behaves like this: its corrections drop to zero when an answer is lost.
     const Expected stops = Stops(Of({Fault::kArmSpeed}), kAtOnce);
     const Expected begins = Stops(Of({Fault::kArmSpeed}), kThrownAgain);
     cases.push_back({.name = "arm thrown back",
@@ -314,7 +320,8 @@ void AddArm(std::vector<FaultCase>& cases) {
 
 void AddModel(std::vector<FaultCase>& cases) {
   const auto stale = Of({Fault::kModelStale}), not_credible = Of({Fault::kNotFinite});
-  const auto frames_pause = [](int pause) {  // no frame for this many ticks, then frames for as many
+  // no frames for this number of ticks, then frames for the same number of ticks
+  const auto frames_pause = [](int pause) {
     return [pause, model = simulation::ContactModel{}](RigInputs& in, int since, FaultRig&) mutable {
       if (since % (2 * pause) == 0) model = in.model;
       if (since % (2 * pause) < pause) in.model = model;
@@ -405,7 +412,7 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
                                if (since == 0) held = in.readings.spindle;
                                in.readings.spindle = held;
                              }));
-  // faults that only a moving cell checks for: it begins, and stops
+  // Faults that are checked only while the cell moves: a waiting cell begins, and then stops.
   const auto trip = [&](const char* name, const char* injected, auto spoil) {
     FaultCase made = DeviceCase(name, injected, beyond, kSpindleBeyond,
                                 [spoil](RigInputs& in, int, FaultRig&) { spoil(in.readings.spindle); });
@@ -426,7 +433,7 @@ void AddPlcAndSpindle(std::vector<FaultCase>& cases) {
 }
 
 void AddLoop(std::vector<FaultCase>& cases) {
-  // jumps of the clock, by which all stamps but that of the frame under way jump as well
+  // Jumps of the clock. All stamps jump by the same time, except that of the frame that is being computed.
   const auto jump = [&](const char* name, const char* injected, rt::Nanoseconds by) {
     FaultCase made = ModelCase(name, injected, Of({Fault::kModelStale}), kAtOnce,
                                [by](RigInputs& in, int since, FaultRig& rig) {

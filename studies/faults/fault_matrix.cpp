@@ -15,20 +15,22 @@ using control::TickRecord;
 using safety::CellState;
 using Records = std::vector<TickRecord>;
 
-constexpr int kBefore = 300;   // ticks of a fault before a waiting cell may begin
-constexpr int kAfter = 300;    // ticks until it begins after the fault, 200 of them for the request's answer
-constexpr int kSettles = 200;  // ticks until everything is at rest
-constexpr int kRefused = 20;   // ticks for which a forbidden recovery is attempted
+constexpr int kBefore = 300;  // ticks for which a fault acts before a waiting cell is handed over
+// Ticks until the cell begins after the fault; 200 of them wait for the answer to the request for motion.
+constexpr int kAfter = 300;
+constexpr int kSettles = 200;               // ticks until everything is at rest
+constexpr int kRefused = 20;                // ticks for which a recovery that must be refused is attempted
 constexpr double kSlack = 1.0 + 1e-9;       // factor on a limit, for rounding
-constexpr double kStands_rad_per_s = 1e-3;  // the arm stands if each joint is slower
-constexpr double kDistanceSlack_m = 20e-6;  // the plane's spring turns the velocity a little
+constexpr double kStands_rad_per_s = 1e-3;  // the arm is at rest if each joint is slower
+// Tolerance of the travel: the plane's spring changes the direction of the velocity a little.
+constexpr double kDistanceSlack_m = 20e-6;
 
 CellState StateOf(const TickRecord& record) { return static_cast<CellState>(record.cell_state); }
 // The commanded tool's apex in W [m].
 Vector3 Apex(const TickRecord& record) { return Pose(record.X_WT_cmd).translation(); }
 bool IsWaiting(CellState state) { return safety::Waits(state); }
 
-/// One run of a fault in one state: injects the fault, judges the reaction, and keeps the first error found.
+/// One trial: injects a fault in one state, judges the reaction, and keeps the first error found.
 class Trial {
  public:
   Trial(const FaultCase& fault, CellState state)
@@ -102,7 +104,7 @@ class Trial {
   }
 
  private:
-  // Keeps `wrong` as the verdict's error if the requirement does not hold and no earlier one failed.
+  // Sets the verdict's error to `wrong` if the requirement does not hold and no earlier requirement failed.
   void Need(bool holds, const char* wrong) {
     if (!holds && verdict_.wrong.empty())
       verdict_.wrong = fmt::format("{} (ends in state {}, faults {:#x})", wrong,
@@ -110,28 +112,29 @@ class Trial {
   }
   [[nodiscard]] const Records& records() { return rig_.recorder().records; }
   [[nodiscard]] CellState StateAt(std::size_t i) { return StateOf(records()[i]); }
-  // Whether `holds` is true of the state of any tick in [from, to).
+  // Whether `holds` is true for the state of any tick in [from, to).
   template <class Holds>
   [[nodiscard]] bool Any(std::size_t from, std::size_t to, Holds&& holds) {
     for (std::size_t i = from; i < to; ++i)
       if (holds(StateAt(i))) return true;
     return false;
   }
-  // No fault is latched from the injection's first tick to `to`.
+  // Whether no fault is latched from the injection's first tick to `to`.
   [[nodiscard]] bool NoFault(std::size_t to) {
     return std::none_of(records().begin() + static_cast<std::ptrdiff_t>(first_),
                         records().begin() + static_cast<std::ptrdiff_t>(to),
                         [](const TickRecord& r) { return r.faults != 0; });
   }
-  // Tick i commands the same position of the tool as the tick before.
+  // Whether tick i commands the same position of the apex as the tick before.
   [[nodiscard]] bool IsAtRest(std::size_t i) {
     return Vector3(Apex(records()[i]) - Apex(records()[i - 1])).isZero(0.0);
   }
 
-  // Injects the fault for its time. A waiting cell is handed over, and a pause ends, after kBefore ticks.
+  // Injects the fault for its duration. After kBefore ticks a waiting arm is handed over, and a paused run is
+  // resumed.
   void Inject() {
     const bool waits = IsWaiting(state_), pauses = state_ == CellState::kPaused;
-    // an injection on a path that goes on lasts until the path has ended
+    // If the start path is to continue during the injection, the injection lasts until the path has ended.
     const bool to_its_end = verdict_.expected.reaction == Reaction::kAlignsOn;
     const int begins = waits || pauses ? kBefore : 0;
     const int lasts = to_its_end ? 3500 : begins + std::max(fault_.lasts, kSettles);
@@ -146,7 +149,7 @@ class Trial {
     begins_ = first_ + static_cast<std::size_t>(begins);
   }
 
-  // Finds the tick in which the fault was noticed, and computes the bound of the tool's travel from there.
+  // Finds the tick in which the fault was detected, and computes the bound of the tool's travel after it.
   void Measure(std::size_t inject_end) {
     const std::uint32_t before = first_ == 0 ? 0 : records()[first_ - 1].faults;
     noticed_ = inject_end;
@@ -168,7 +171,7 @@ class Trial {
   }
   [[nodiscard]] bool Brakes() const { return safety::Brakes(state_); }
 
-  // The expected faults are latched, no others, and in time.
+  // Checks that an expected fault is latched in time, and no other fault.
   void JudgeLatched() {
     const Expected& expected = verdict_.expected;
     verdict_.latched = rig_.loop().faults();
@@ -182,10 +185,11 @@ class Trial {
     }
   }
 
-  // The tool's travel while it brakes is within its bound.
+  // Checks the tool's travel while the cell brakes.
   void JudgeDistance() {
     if (stops_ == 0) return;
-    // The measurement ends when the virtual tool follows the arm, as it is not commanded then.
+    // Stop measuring when the cell no longer brakes: then the virtual tool follows the arm and is not
+    // commanded.
     double max_m = 0.0;
     for (std::size_t i = stops_; i < records().size() && safety::Brakes(StateAt(i)); ++i)
       max_m = std::max(max_m, (Apex(records()[i]) - Apex(records()[stops_ - 1])).norm());
@@ -209,14 +213,15 @@ class Trial {
     JudgeEnd();
   }
 
-  // The cell is at rest, does not begin by itself, and recovers if its faults allow it; a new run begins.
+  // Checks that the cell is at rest, does not begin by itself, recovers if its faults allow it, and that a
+  // new run begins.
   void JudgeEnd() {
     control::ServoLoop& loop = rig_.loop();
     const bool faulty = verdict_.expected.faults.Any();
     Need(loop.state() == (faulty ? CellState::kFault : CellState::kOff), "not at rest");
     Need(rig_.qd().cwiseAbs().maxCoeff() < kStands_rad_per_s, "the arm moves");
     Need(!loop.cell_commands().motion_requested, "it still asks for motion");
-    // a cell that was asked to end does not begin again
+    // a cell that was requested to end does not begin again
     const bool recovers = safety::AllowsRecovery(loop.faults()) && state_ != CellState::kStop1;
     Need(loop.CanRecover() == recovers, "recovery");
     rig_.TakeBack();
@@ -248,7 +253,7 @@ class Trial {
     Need(rig_.loop().state() == CellState::kAligning && !IsAtRest(records().size() - 1), "it did not go on");
   }
 
-  // In every tick: force and joint speeds within limits, commands finite, no gap in the recording.
+  // Checks every tick: force and joint speeds within limits, commands finite, no gap in the recording.
   void JudgeAll() {
     const auto& limits = ScenarioArm().limits;
     std::uint64_t gaps = 0;
@@ -292,8 +297,8 @@ class Trial {
   FaultRig::StartPath start_path_;
   FaultRig rig_;
   FaultVerdict verdict_;
-  // Ticks as indices of records(): the injection's first, the one in which a waiting cell may begin, the one
-  // that noticed the fault, the first of the stop.
+  // Indices in records(): the injection's first tick, the tick in which a waiting cell may begin, the tick
+  // that detected the fault, the first tick of the stop.
   std::size_t first_{0}, begins_{0}, noticed_{0}, stops_{0};
 };
 

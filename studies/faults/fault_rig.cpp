@@ -14,13 +14,13 @@ using kinematics::JointVector;
 using safety::CellState;
 
 constexpr double kPeriod_s = 1e-3;
-// The plane of bone: its distance ahead of the tool at the start, along the feed, and its stiffness.
+// Distance of the bone's plane ahead of the tool at the start, along the feed, and its stiffness.
 constexpr double kPlaneAhead_m = 0.005, kPlaneStiffness_N_per_m = 20e3;
 constexpr int kRenders = 300;   // ticks until the tool is in contact and moves along the plane
-constexpr int kOnItsWay = 500;  // ticks of the start path, about its middle
+constexpr int kOnItsWay = 500;  // ticks after which the arm is about in the middle of the start path
 constexpr int kMisses = 5;      // WatchdogParams::arm_misses
 
-// The tool's pose X_WT at these joints.
+// The tool's pose X_WT at these joint positions.
 Pose ToolAt(const JointVector& q) { return kinematics::LbrArm(ScenarioArm()).FlangePose(q) * ScenarioTool(); }
 
 control::JointArray Array(const JointVector& q) {
@@ -47,7 +47,7 @@ control::ServoParams FaultRig::Params(StartPath start_path) {
   params.spindle_rad_per_s = 26.0;
   params.spindle_limits = {.max_torque_Nm = 5.0, .max_speed_rad_per_s = 60.0, .trip_s = 0.05};
   params.arm_body = ScenarioBody();
-  // The rig's hand pushes all the time, so no bias is estimated, and the start path goes on up to a high
+  // The rig's hand pushes all the time. So no bias is estimated, and the start path pauses only at a large
   // force.
   params.sensor_bias.acts = false;
   if (start_path == StartPath::kToStart) {
@@ -67,7 +67,7 @@ FaultRig::FaultRig(StartPath start_path, const JointVector& q)
   const Pose X_WT = ToolNow();
   feed_W_ = X_WT.linear().col(2);
   side_W_ = X_WT.linear().col(0);
-  // on the start path nothing is near
+  // with a start path the plane is far away, so that the tool touches nothing
   plane_W_ = X_WT.translation() + (start_path == StartPath::kNone ? kPlaneAhead_m : 5.0) * feed_W_;
 }
 
@@ -79,7 +79,7 @@ void FaultRig::HandOver() {
   q_ipo_ = q_told_ = arm_.q();
 }
 
-// In every second tick: answers the command of the last tick with a frame that has the plane as its contact.
+// In every second tick: answers the previous tick's command by a frame whose contact is the plane.
 void FaultRig::Simulate(rt::Nanoseconds now) {
   const simulation::ToolCommand command = loop_.tool_command();
   if (command.stamp == 0 || ticks_ % 2 != 0) return;
@@ -127,7 +127,7 @@ const control::TickRecord& FaultRig::Tick(const RigInjection& inject, int since)
   recorder_.Push(last_);
   if (recorder_.Stalled()) loop_.ReportRecorder();
   ++ticks_;
-  // an arm without an answer holds the last command; an arm that is not handed over holds its position
+  // An arm that gets no answer holds the last command. An arm that is not handed over holds its position.
   if (in.received == ReceiveResult::kOk) {
     if (in.arm.session != SessionState::kCommandingActive)
       q_told_ = arm_.q();

@@ -19,9 +19,9 @@ namespace {
 
 using safety::CellState;
 
-constexpr int kColumn = 5;  // width in characters
+constexpr int kColumn = 5;  // width of a column in characters
 
-// Mark of an expected reaction in the table; the legend below the table explains the marks.
+// The letter of an expected reaction in the table; the legend below the table explains the letters.
 char LetterOf(const Expected& expected) {
   switch (expected.reaction) {
     case Reaction::kGoesOn:
@@ -84,7 +84,8 @@ std::string FaultTableText(std::span<const FaultVerdict> verdicts) {
           cell == end ? "" : std::string(1, LetterOf(cell->expected)) + (cell->passed() ? "" : "!");
       text += fmt::format("{:>{}}", mark, kColumn);
     }
-    // the last four columns: detection and travel while cutting, if the fault stops the cell there
+    // The last four columns: ticks to detection and travel while cutting, if the fault stops the cell in that
+    // state.
     const auto cutting =
         std::find_if(row, end, [](const FaultVerdict& v) { return v.state == CellState::kCutting; });
     if (cutting != end && cutting->expected.reaction == Reaction::kStops)

@@ -16,16 +16,18 @@
 namespace osteon::studies {
 namespace {
 
-// How the text of an excitation's event begins.
+// First words of the text of the event that records an excitation.
 constexpr const char* kEvent = "excitation: ";
-constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;  // of the joints' published limits
-constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;      // force changes that end a free or held run
+constexpr double kSpeedShare = 0.2, kAccelerationFactor = 2.0;  // factors on the joints' published limits
+// Changes of the force that end a run: in free air, or with a hand at the handle.
+constexpr double kFreeForce_N = 30.0, kHeldForce_N = 60.0;
 constexpr double kMinSingular = 0.02;  // least singular value of the Jacobian along the axis
-constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;  // limits while a joint moves
+// Limits of the tool's motion while one joint moves.
+constexpr double kToolSpeed_m_per_s = 0.1, kToolAcceleration_m_per_s2 = 8.0;
 
 using Jacobian = Eigen::Matrix<double, 6, control::kJoints>;
 
-// Jacobian of the tool's apex in W at the cell's start: rows of velocity, then of rotation; the columns
+// Jacobian of the tool's apex in W at the cell's start: rows of the velocity, then of the rotation. Columns
 // beyond the arm's N joints are zero.
 template <int N>
 Jacobian JacobianOf(const kinematics::ChainParams<N>& chain, const config::CellConfig& cell) {
@@ -54,10 +56,11 @@ std::vector<kinematics::JointLimits> LimitsOf(const config::CellConfig& cell) {
   return limits;
 }
 
-// Lowers the path's speed and acceleration to those that keep every joint within its share of its limits.
+// Lowers the path's speed and acceleration so that every joint keeps its factor of its limits (kSpeedShare,
+// kAccelerationFactor).
 void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::ExcitedHoldParams& hold) {
   for (std::size_t j = 0; j < limits.size(); ++j) {
-    const double per_m = std::abs(hold.direction[j]);  // joint motion per motion of the path
+    const double per_m = std::abs(hold.direction[j]);  // joint motion per motion along the path
     if (!(per_m > 0.0)) continue;
     if (limits[j].velocity_rad_per_s > 0.0)
       hold.path.peak_speed_m_per_s =
@@ -69,7 +72,7 @@ void LimitPath(const std::vector<kinematics::JointLimits>& limits, control::Exci
   }
 }
 
-// The arm's impedance along the axis by the cell's file: the force of an overlay is computed with it.
+// The arm's impedance along the axis, from the cell's file. The force of an overlay is computed with it.
 control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vector3& axis_W) {
   const hil::DynamicArmParams& arm = cell.simulated.dynamic;
   control::OverlayExcitation overlay{.on = true, .stiffness_N_per_m = std::max(200.0, arm.stiffness_N_per_m)};
@@ -82,7 +85,7 @@ control::OverlayExcitation OverlayOf(const config::CellConfig& cell, const Vecto
   return overlay;
 }
 
-// Difference of the arm's sequence numbers in two consecutive messages.
+// Difference of the arm's sequence numbers between two consecutive messages.
 int SequenceStep(const config::CellConfig& cell) {
   const io::RsiSessionParams* rsi = cell.link.rsi();
   return rsi ? rsi->ipoc_step : 1;
@@ -93,8 +96,8 @@ int SequenceStep(const config::CellConfig& cell) {
 int JointCount(const config::CellConfig& cell) { return static_cast<int>(LimitsOf(cell).size()); }
 
 std::string EventText(const ExcitationRequest& request) {
-  // The axis of a joint's event is empty, so that an older Osteon without joints does not take it for an
-  // axis.
+  // The event of a joint has an empty axis, so that an older Osteon, which knows no joints, does not read the
+  // event as that of an axis.
   nlohmann::ordered_json json{{"axis", request.joint > 0 ? std::string() : std::string(1, request.axis)},
                               {"peak_speed_m_per_s", request.peak_speed_m_per_s},
                               {"seed", request.seed},
@@ -113,7 +116,7 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
   if (!json.is_object()) return {};
   try {
     const auto axis = json.at("axis").get<std::string>();
-    const int joint = json.value("joint", 0);  // absent if an axis is excited
+    const int joint = json.value("joint", 0);  // absent: an axis is excited
     const bool is_axis = axis == "x" || axis == "y" || axis == "z";
     if (is_axis ? joint != 0 : !axis.empty() || joint < 1 || joint > control::kJoints) return {};
     return ExcitationRequest{.axis = is_axis ? axis[0] : 'z',
@@ -122,11 +125,12 @@ std::optional<ExcitationRequest> ParseEvent(const std::string& text) {
                              .draws = json.at("draws").get<int>(),
                              .periods = json.at("periods").get<int>(),
                              .held = json.at("held").get<bool>(),
-                             .overlay = json.value("overlay", false),  // absent before overlays were excited
+                             // absent in recordings older than the excitation by overlay
+                             .overlay = json.value("overlay", false),
                              .rest_s = json.at("rest_s").get<double>(),
                              .joint = joint};
   } catch (const nlohmann::json::exception&) {
-    return {};  // a file may say anything
+    return {};  // the file's text may be anything
   }
 }
 
@@ -149,12 +153,12 @@ tl::expected<void, std::string> AimAlongAxis(const Jacobian& J, control::Excited
   return {};
 }
 
-// Sets the motion to that of one joint. @param joint  1 … kJoints
+// Sets the motion to that of one joint alone. @param joint  1 … kJoints
 void AimAtJoint(int joint, control::ExcitedHoldParams& hold) {
   hold.joint = joint - 1;
   hold.direction[static_cast<std::size_t>(hold.joint)] = 1.0;
   hold.path.max_travel_m = kMaxJointTravel_rad;
-  // A joint does not move a tool that lies on the joint's axis: the division needs a minimum.
+  // A tool on the joint's axis would not move at all: use a minimum, to avoid a division by zero.
   const double tool_m_per_rad = std::max(1e-3, hold.J_W.col(hold.joint).norm());
   hold.path.peak_speed_m_per_s = std::min(hold.path.peak_speed_m_per_s, kToolSpeed_m_per_s / tool_m_per_rad);
   hold.path.max_acceleration_m_per_s2 = kToolAcceleration_m_per_s2 / tool_m_per_rad;
@@ -232,22 +236,23 @@ control::ExcitedTick ExcitedTickOf(const control::TickRecord& record) {
 
 namespace {
 
-// The answers to messages, in order, and the losses that the arm reports.
+// Which messages the arm got an answer to. Stores the messages in order, and the losses that the arm reports.
 class AnswerLog {
  public:
   explicit AnswerLog(ExcitedRun& run) : run_(run) {}
 
-  // Adds a message, whose sample is the newest. @param lost  answers that were lost since the message before
+  // Adds a message, whose sample is the newest. @param lost  number of answers that were lost since the
+  // previous message
   void Add(std::uint32_t lost) {
-    // The newest answer, to the message before this one, arrived; the lost answers are those just before it.
+    // The answer to the previous message has arrived. The lost answers are those directly before it.
     for (std::size_t i = 0; i < lost && i + 1 < answered_.size(); ++i)
       lost_.push_back(answered_[answered_.size() - 2 - i]);
     answered_.push_back(run_.samples.size() - 1);
   }
 
-  // Replaces each command that never arrived by the command that the arm held.
+  // Replaces each command that never arrived by the command that the arm still held.
   void HoldLost() {
-    std::vector<bool> is_lost(run_.samples.size(), true);  // without a message there is no answer
+    std::vector<bool> is_lost(run_.samples.size(), true);  // a message that never came has no answer
     for (const std::size_t at : answered_) is_lost[at] = false;
     for (const std::size_t at : lost_) is_lost[at] = true;
     for (std::size_t i = 1; i < run_.samples.size(); ++i)
@@ -270,13 +275,15 @@ Eigen::Matrix<double, 7, 1> SpeedOf(const control::TickRecord& before, const con
   return speed;
 }
 
-// Fills mean and 99th percentile of the messages' lateness.
-// @param arrivals_s  of each message  @param steps  number of periods until that message, with lost ones
+// Fills in mean and 99th percentile of the messages' lateness.
+// @param arrivals_s  arrival time of each message  @param steps  number of periods until that message,
+// including lost messages
 void FillJitter(std::vector<double> arrivals_s, double period_s, const std::vector<double>& steps,
                 ExcitedSamples& samples) {
   if (arrivals_s.empty()) return;
   for (std::size_t i = 0; i < arrivals_s.size(); ++i) arrivals_s[i] -= period_s * steps[i];
-  // The clocks of arm and host drift apart slowly, so lateness is measured within blocks of 1000 messages.
+  // The clocks of arm and host drift apart slowly, so lateness is measured relative to the earliest of each
+  // 1000 messages.
   constexpr std::size_t kBlock = 1000;
   std::vector<double> late_s;
   for (std::size_t begin = 0; begin < arrivals_s.size(); begin += kBlock) {
@@ -300,7 +307,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
   std::vector<double> arrivals_s, steps;
   std::uint32_t sequence = 0, lost_before = 0;
   bool begun = false;
-  // for the RMS of the joint speeds: sum of the squares, and number of the ticks
+  // for the RMS of the joint speeds: sum of squares, and number of summed ticks
   Eigen::Matrix<double, 7, 1> squares = Eigen::Matrix<double, 7, 1>::Zero();
   double counted = 0.0;
   for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -322,7 +329,7 @@ tl::expected<ExcitedSamples, std::string> SamplesOf(const std::vector<control::T
           fmt::format("found message {} after {}, accepted rising numbers: a link's trouble, see "
                       "osteon doctor",
                       tick.sequence, sequence));
-    // a message that never came gets a sample that repeats the one before, marked as not seen
+    // A message that never came gets a sample that repeats the previous one and is marked as unseen.
     const int missing = begun ? sequence_step_seen / axis.hold.sequence_step - 1 : 0;
     for (int gap = 0; gap < missing; ++gap) {
       ExcitedSample unseen = samples.run.samples.back();

@@ -32,17 +32,18 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kGiveUp_s = 60.0;   // longest virtual time until the path begins
-constexpr double kFrame_s = 0.02;    // time between the models of free air
-constexpr double kRenders_s = 0.1;   // time of rendering before the pause is requested
-constexpr double kAfter_s = 0.5;     // time that is recorded after the end
-constexpr double kFarAway_m = 10.0;  // height of a hand that never touches the handle
-constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;  // duration and force limit of a holding hand
+constexpr double kGiveUp_s = 60.0;   // longest virtual time to wait for the excitation
+constexpr double kFrame_s = 0.02;    // time between two models of free air
+constexpr double kRenders_s = 0.1;   // time for which the loop renders before the pause is requested
+constexpr double kAfter_s = 0.5;     // time that is recorded after the excitation
+constexpr double kFarAway_m = 10.0;  // height of a hand that never reaches the handle
+// Time for which a holding hand holds, and its largest force.
+constexpr double kStands_s = 36000.0, kHeldBound_N = 100.0;
 
-// The run is in virtual time.
+// Whether the run is in virtual time.
 bool IsVirtual(const ExcitedRunParams& params) { return params.simulated && !params.wall_time; }
 
-// The cell of an excited run: its spindle stands, and no guidance acts.
+// The cell of an excited run: the spindle does not turn, and no guidance acts.
 config::CellConfig Quiet(const config::CellConfig& cell) {
   config::CellConfig quiet = cell;
   quiet.servo.spindle_rad_per_s = 0.0;
@@ -50,12 +51,13 @@ config::CellConfig Quiet(const config::CellConfig& cell) {
   return quiet;
 }
 
-// The arm with its hand. The hand holds the handle at the start with its full grip, or it waits at a place
-// that the tool never reaches.
+// Makes the arm with its hand. The hand holds the handle at the start with its full grip, or it stays at a
+// place that the tool never reaches.
 hil::SimulatedCell MakeArm(const config::CellConfig& cell, bool held) {
   hil::SimulatedCellParams params = cell.simulated;
   params.hand.incidents = {};
-  if (!params.kr) params.sensor_feels_inertia = true;  // as a real sensor does
+  // so that the simulated sensor feels the tool's inertia, as a real sensor does
+  if (!params.kr) params.sensor_feels_inertia = true;
   return std::visit(
       [&](const auto& script) {
         Pose X_WC = script.X_WC;
@@ -67,7 +69,7 @@ hil::SimulatedCell MakeArm(const config::CellConfig& cell, bool held) {
       cell.script);
 }
 
-// A model of free air: nothing touches the tool.
+// A contact model of free air: nothing touches the tool.
 simulation::ContactModel FreeAir(const Pose& X_WT, rt::Nanoseconds now, std::uint64_t frame) {
   simulation::ContactModel model;
   model.X_WP = X_WT;
@@ -76,7 +78,7 @@ simulation::ContactModel FreeAir(const Pose& X_WT, rt::Nanoseconds now, std::uin
   return model;
 }
 
-// Makes the recording's folder and opens the recording; in virtual time the caller writes it by Drain().
+// Makes the recording's folder and opens the recording. In virtual time the caller writes it by Drain().
 tl::expected<std::unique_ptr<io::Recorder>, std::string> OpenRecorder(const session::CellSetup& setup,
                                                                       const ExcitedRunParams& params) {
   const auto folder = params.recording.parent_path();
@@ -108,14 +110,14 @@ std::string FaultText(safety::FaultSet faults) {
   return text;
 }
 
-// Why a run ended early, for the user. @param begun  the excitation had begun
+// Says why a run ended early, for the user. @param begun  the excitation had begun
 std::string WhyEnded(const control::ServoLoop& loop, const control::ExcitedHoldStep& step, bool begun) {
   if (loop.faults().Any()) return "the cell stopped: " + FaultText(loop.faults());
   if (step.abort != control::ExcitationAbort::kNone) return Describe(step.abort);
   return begun ? "it was stopped before its end" : "the arm was not handed over, or motion was not permitted";
 }
 
-// Asks for the pause once the loop has rendered for a moment.
+// Requests the pause after the loop has rendered for kRenders_s.
 class PauseRequest {
  public:
   explicit PauseRequest(double period_s) : ticks_(std::lround(kRenders_s / period_s)) {}
@@ -127,7 +129,7 @@ class PauseRequest {
   long ticks_, rendered_{0};
 };
 
-// One excited run in virtual time: as RunCell does, in lockstep.
+// One excited run in virtual time: arm, loop and simulation take turns in one thread, as in RunCell.
 class VirtualRun {
  public:
   VirtualRun(const config::CellConfig& cell, const ExcitedAxis& axis, io::Recorder& recorder,
@@ -143,7 +145,7 @@ class VirtualRun {
         period_(static_cast<rt::Nanoseconds>(arm_.period_s() * 1e9)),
         period_s_(arm_.period_s()) {}
 
-  // @returns why the run ended early; empty: it did not
+  // @returns why the run ended early; empty: it was complete
   std::string Run(const std::atomic<bool>* stop) {
     const double rest_s = hold_.params().wait_s,
                  limit_s = kGiveUp_s + rest_s + 2.0 * hold_.path().duration_s();
@@ -165,7 +167,7 @@ class VirtualRun {
   }
 
  private:
-  // One period: arm, devices, loop, excitation; the answer to the arm ends it.
+  // Runs one period: arm, devices, loop, excitation, and last the answer to the arm.
   void Tick(long tick) {
     const rt::Nanoseconds now = tick * period_;
     arm_.cell().SetPower(devices_->power());
@@ -233,8 +235,9 @@ tl::expected<void, std::string> RunVirtual(const session::CellSetup& setup, cons
   return {};
 }
 
-// The connections of a connected cell, with the excitation between loop and arm: each command gets the
-// excitation's offset or force, computed from the same values that the tick's record has.
+// The connections of a connected cell. The excitation acts between loop and arm: it adds its offset or force
+// to each command. It is computed from the values that the tick's record has, so that the recording
+// reproduces it.
 class ExcitedWires final : public control::ArmLink, public control::CellDevices {
  public:
   ExcitedWires(control::ArmLink& link, control::CellDevices& devices, control::ServoLoop& loop,
@@ -301,7 +304,7 @@ class ExcitedWires final : public control::ArmLink, public control::CellDevices 
   std::atomic<bool> done_{false}, begun_{false};
 };
 
-// Answers the loop with free air around its own command.
+// Stands in for the simulation: answers the loop with a model of free air at the loop's own command.
 class FreeAirPort final : public control::SimulationPort {
  public:
   const simulation::ContactModel& Load() OSTEON_RT override { return model_; }
@@ -316,7 +319,8 @@ class FreeAirPort final : public control::SimulationPort {
   simulation::ContactModel model_;
 };
 
-// Runs a cell whose arm and devices are reached by their protocols; the servo loop has a thread of its own.
+// Runs a cell whose arm and devices are reached by their protocols; the servo loop runs in a thread of its
+// own.
 tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, const ExcitedAxis& axis,
                                              io::Recorder& recorder, const ExcitedRunParams& params) {
   const config::CellConfig cell = Quiet(setup.config);
@@ -364,7 +368,7 @@ tl::expected<void, std::string> RunConnected(const session::CellSetup& setup, co
   return tl::unexpected(link.empty() ? why : why + "; " + link);
 }
 
-// Runs in wall time with a simulated cell at the other end of the wires, in this process.
+// Runs in wall time, with a simulated cell in this process at the other end of the connections.
 tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, const ExcitedAxis& axis,
                                               io::Recorder& recorder, const ExcitedRunParams& params) {
   if (setup.config.guard)
@@ -378,7 +382,7 @@ tl::expected<void, std::string> RunOnLoopback(const session::CellSetup& setup, c
   return run;
 }
 
-// Names the obstacle within a joint's travel; empty: there is none.
+// Names an obstacle within the joint's travel; empty: there is none.
 std::string BlockedWay(const session::CellSetup& setup, int joint) {
   kinematics::JointVector travel = kinematics::JointVector::Zero();
   travel[joint - 1] = kMaxJointTravel_rad;

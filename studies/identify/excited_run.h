@@ -12,29 +12,31 @@
 
 namespace osteon::studies {
 
-/// What one excited run does, where it is recorded, and with which arm.
+/// The excitation of one run, the file of its recording, and the arm.
 struct ExcitedRunParams {
   ExcitationRequest request;
   std::filesystem::path recording;  ///< the MCAP file to write
   bool simulated{true};             ///< the simulated cell, in virtual time; false: the connected arm
-  /// With `simulated`: the run is in wall time, and the simulated arm and devices are reached by their real
-  /// protocols on loopback, as those of a connected cell.
+  /// With `simulated`: the run is in wall time, and the simulated arm and devices are reached on loopback, by
+  /// the protocols of a connected cell.
   bool wall_time{false};
-  double wait_s{60.0};  ///< real arm: longest wait until it is handed over
+  double wait_s{60.0};  ///< connected arm: longest wait until the arm is handed over
   const std::atomic<bool>* stop{nullptr};
-  std::function<void(const std::string&)> notice{};  ///< called with a line for the user
+  std::function<void(const std::string&)> notice{};  ///< called with messages for the user, a line each
 };
 
-/// Moves the arm of a cell by an excitation, and records it: the servo loop goes to the start, begins to
-/// render in free air, is paused, and holds the arm, while control::ExcitedHold adds its offset to each
-/// answer. Spindle and cutting engine stand still. All checks of the loop in a pause act, and those of the
-/// excited hold.
+/// Moves the arm of a cell by an excitation, and records it. The servo loop goes to the start, begins to
+/// render in free air, is paused, and holds the arm. Meanwhile control::ExcitedHold adds its offset to each
+/// answer. The spindle does not turn, and the cutting engine does not run. The loop's checks of a pause and
+/// the checks of the excited hold act.
 ///
-/// A simulated cell runs in virtual time: arm, wires, devices, PLC as in `osteon demo --virtual-time`, except
-/// that nobody takes the handle, unless the request says so, and that the sensor carries the tool's inertia,
-/// as a real one does. A recording of a connected arm replays as any other: the loop's own command is the
-/// pause's. Before a joint is moved, its travel of kMaxJointTravel_rad to either side is checked for
-/// obstacles, as the path to the start is.
+/// A simulated cell runs in virtual time: arm, wires, devices and PLC as in `osteon demo --virtual-time`.
+/// There are two differences: nobody holds the handle, unless the request says so; and the sensor carries the
+/// tool's inertia, as a real sensor does.
+///
+/// A recording of a connected arm can be replayed as any other recording, since the loop's own command is
+/// that of a pause. Before a joint is moved, its travel of kMaxJointTravel_rad to either side is checked for
+/// obstacles, as the start path is.
 /// @returns an error if nothing could be run, or a text that says why the run ended early
 [[nodiscard]] tl::expected<void, std::string> RunExcited(const session::CellSetup& setup,
                                                          const ExcitedRunParams& params);

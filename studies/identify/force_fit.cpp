@@ -17,13 +17,16 @@ using Complex = std::complex<double>;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kTwoSd = 2.0;  // half width of a 95 % interval, in standard deviations
-// A resonance is tried if chi² without it is above kBadChi2; kept if chi² falls by more than kResonanceGain.
+// A resonance is tried if chi² without it is above kBadChi2. It is kept if chi² falls by more than the factor
+// kResonanceGain.
 constexpr double kResonanceGain = 3.0, kBadChi2 = 3.0;
-// A grip time is tried if chi² without it is above kExactChi2, and kept if chi² falls by more than kGripGain.
+// A grip time is tried if chi² without it is above kExactChi2. It is kept if chi² falls by more than the
+// factor kGripGain.
 constexpr double kExactChi2 = 0.1, kGripGain = 2.0;
-constexpr double kMaxResonance = 1.5;  // factor on the highest line: beyond it nothing was measured
+// Highest resonance, as a factor on the highest line: nothing was measured beyond.
+constexpr double kMaxResonance = 1.5;
 
-// Half width of the 95 % interval of parameter i, widened by a chi² above 1. @param factor  converts the
+// Half width of the 95 % interval of parameter i; a chi² above 1 widens it. @param factor  converts the
 // interval of a logarithm to that of its value
 double Width(const LeastSquaresFit& fit, double chi2, Eigen::Index i, double factor = 1.0) {
   return kTwoSd * factor * std::sqrt(std::max(1.0, chi2) * std::max(0.0, fit.covariance(i, i)));
@@ -35,15 +38,15 @@ Complex Inertia(const Eigen::VectorXd& p, double hz) {
   return p[0] * w * w * std::polar(1.0, -w * p[1]);
 }
 
-// R(w) of the header: the tool's motion over the encoders' motion, at one frequency.
+// R(w) of FitToolForce: the tool's motion divided by the encoders' motion, at one frequency.
 Complex Resonance(double resonance_hz, double damping, double hz) {
   const double w_r = kTwoPi * resonance_hz, w = kTwoPi * hz;
   return w_r * w_r / Complex(w_r * w_r - w * w, 2.0 * damping * w_r * w);
 }
 
-// Fits mass, delay and a resonance, from each of these frequencies [Hz], as the cost has several minima.
-// The parameters are p = (mass, delay, log of the resonance in Hz, log of its damping ratio).
-// @param rigid  mass and delay fitted without a resonance
+// Fits mass, delay and a resonance. The fit starts from each of several frequencies, as the cost has several
+// minima. The parameters are p = (mass, delay, log of the resonance in Hz, log of its damping ratio).
+// @param rigid  mass and delay that were fitted without a resonance
 LeastSquaresFit FitResonance(std::span<const ResponseLine> lines, const Eigen::VectorXd& rigid) {
   LeastSquaresFit best;
   const auto model = [](const Eigen::VectorXd& p, double hz) {
@@ -62,7 +65,7 @@ LeastSquaresFit FitResonance(std::span<const ResponseLine> lines, const Eigen::V
 tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLine> lines) {
   if (lines.size() < 4)
     return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", lines.size()));
-  // start of the fit: the weighted mean of F / (x w^2)
+  // start the fit with the weighted mean of F / (x w^2)
   double weighted_sum = 0.0, weights = 0.0;
   for (const ResponseLine& line : lines) {
     const double w2 = kTwoPi * line.hz * kTwoPi * line.hz, weight = w2 * w2 / (line.sd * line.sd);
@@ -91,7 +94,7 @@ tl::expected<ToolForceFit, std::string> FitToolForce(std::span<const ResponseLin
                .chi2 = chi2_with_resonance};
       }
     }
-  // 1.5 half widths of two standard deviations each
+  // the half width is two standard deviations, so this is a bound of three
   if (!(fit.mass_kg.value > 1.5 * fit.mass_kg.half_width))
     return tl::unexpected(
         fmt::format("the force sensor shows no inertia of the tool: found {:.3f} ± {:.3f} kg",
@@ -120,7 +123,7 @@ struct HandModel {
   }
 };
 
-// Fits the model from each of these stiffnesses [N/m], as the cost has several minima, and returns the best
+// Fits the model, starting from each of several stiffnesses, as the cost has several minima. Returns the best
 // fit.
 LeastSquaresFit FitHandModel(std::span<const ResponseLine> lines, const HandModel& model) {
   LeastSquaresFit best;
@@ -151,7 +154,7 @@ tl::expected<HandFit, std::string> FitHand(std::span<const ResponseLine> lines, 
   for (const ResponseLine& line : lines)
     if (line.hz <= options.max_hz) {
       used.push_back(line);
-      // no line counts as more exact than the model can be
+      // no line gets a smaller deviation than the accuracy of the model
       used.back().sd = std::hypot(line.sd, options.accuracy * std::abs(line.value));
     }
   if (used.size() < 4) return tl::unexpected(fmt::format("found {} lines, accepted 4 or more", used.size()));

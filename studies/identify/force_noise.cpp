@@ -14,10 +14,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;  // of one spectrum; of a signal that is measured
-constexpr double kLineRatio = 10.0;   // least power of a line, over the median around it: 10 dB
-constexpr double kMinLine_N = 1e-3;   // least amplitude: smaller lines come from the reading's last digit
-constexpr std::size_t kAround = 10;   // frequencies on each side from which the median is taken
+// Length of one spectrum's window; least length of a signal.
+constexpr double kWindow_s = 1.0, kMinSeconds = 10.0;
+constexpr double kLineRatio = 10.0;  // least ratio of a line's power to the median power around it: 10 dB
+// Least amplitude of a line: smaller lines come from the resolution of the reading.
+constexpr double kMinLine_N = 1e-3;
+// Number of frequencies on each side of a line from which the median is taken.
+constexpr std::size_t kAround = 10;
 constexpr std::size_t kMainLobe = 2;  // half width of a Hann window's main lobe, in frequencies
 
 // Standard deviation of a sample; 0 of fewer than two values.
@@ -33,8 +36,7 @@ double Hann(std::size_t i, std::size_t window) {
   return 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(window));
 }
 
-// Mean power of each frequency over windows, as the squared amplitude of a sine: a sine of amplitude a gives
-// a^2.
+// Mean power of each frequency over the windows, scaled so that a sine of amplitude a gives a^2.
 std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window) {
   Eigen::FFT<double> fft;
   std::vector<double> part(window), power(window / 2, 0.0);
@@ -56,7 +58,7 @@ std::vector<double> PowerOf(std::span<const double> force_N, std::size_t window)
   return power;
 }
 
-// Median power of the frequencies on both sides of `at`, without its main lobe.
+// Median power of the frequencies on both sides of `at`, without the main lobe of `at`.
 double MedianAround(const std::vector<double>& power, std::size_t at) {
   std::vector<double> around;
   const std::size_t begin = at > kAround + kMainLobe ? at - kAround - kMainLobe : 3;
@@ -91,7 +93,7 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
     variance -= 0.5 * power[i];  // a sine of amplitude a has the variance a² / 2
   }
   noise.white_N = std::sqrt(std::max(0.0, variance));
-  // White noise alone makes the means differ: its part is removed.
+  // White noise alone makes the means differ. Remove this part.
   const double drift_N = SdOf(means), by_noise_N = noise.white_N / std::sqrt(static_cast<double>(window));
   noise.drift_N = std::sqrt(std::max(0.0, drift_N * drift_N - by_noise_N * by_noise_N));
   return noise;
@@ -99,9 +101,9 @@ ForceNoise MeasureNoise(std::span<const double> force_N, double period_s) {
 
 namespace {
 
-// Power around a harmonic of the rotation: element i is the sum of the two frequencies i steps of 1 / window
-// below and above it. The force is demodulated by the measured angle, so that a changing speed does not
-// spread the harmonic.
+// Power around a harmonic of the rotation. Element i is the sum of the powers at the two frequencies that lie
+// i / kTurnWindow_s below and above the harmonic. The force is demodulated by the measured angle, so that a
+// changing speed does not spread the harmonic.
 std::vector<double> PowerAround(std::span<const double> force_N, std::span<const double> angle_rad, int order,
                                 std::size_t window) {
   Eigen::FFT<double> fft;
@@ -122,11 +124,13 @@ std::vector<double> PowerAround(std::span<const double> force_N, std::span<const
   return power;
 }
 
-// Width around the harmonic, in frequencies of PowerAround, that contains 95 % of the power up to `reach`
-// after the noise was subtracted; 0 if the harmonic does not stand out of the noise.
+// Width around the harmonic that contains 95 % of the power up to element `reach`, after the noise was
+// subtracted, as a number of steps of PowerAround; 0 if the harmonic does not stand out of the noise.
 double WidthOf(std::vector<double> power, std::size_t reach) {
-  constexpr double kContained = 0.95, kStandsOut = 4.0;  // share of the power; factor on the noise
-  // The harmonic has most of its power in few of these frequencies: the lower fifth is noise.
+  // contained share of the power; least ratio of the power to the noise
+  constexpr double kContained = 0.95, kStandsOut = 4.0;
+  // The harmonic has most of its power in few elements, so the lowest fifth of the elements is taken as
+  // noise.
   std::vector<double> sorted(power.begin(), power.begin() + static_cast<std::ptrdiff_t>(reach));
   const double noise_power = base::ValueOfRank(sorted, reach / 5);
   double total = 0.0;
@@ -147,8 +151,10 @@ double WidthOf(std::vector<double> power, std::size_t reach) {
 
 double MeasureNotchWidth(std::span<const double> force_N, std::span<const double> speed_rad_per_s,
                          double period_s) {
-  constexpr double kTurnWindow_s = 4.0, kMinTurning_s = 8.0;  // of one spectrum; of the signal
-  constexpr double kLow_hz = 5.0, kHigh_hz = 40.0;            // where a harmonic counts
+  // length of one spectrum's window; least length of the signal
+  constexpr double kTurnWindow_s = 4.0, kMinTurning_s = 8.0;
+  // frequencies between which a harmonic is measured
+  constexpr double kLow_hz = 5.0, kHigh_hz = 40.0;
   constexpr int kOrders = 8;
   const std::size_t size = std::min(force_N.size(), speed_rad_per_s.size());
   if (period_s * static_cast<double>(size) < kMinTurning_s) return 0.0;
@@ -158,7 +164,7 @@ double MeasureNotchWidth(std::span<const double> force_N, std::span<const double
   const double turn_hz =
       std::abs(angle_rad.back()) / (2.0 * std::numbers::pi * period_s * static_cast<double>(size));
   const auto window = static_cast<std::size_t>(std::lround(kTurnWindow_s / period_s));
-  // half the way to the next harmonic, which is one rotation frequency away
+  // Half the distance to the next harmonic, which is one rotation frequency away.
   const auto reach = static_cast<std::size_t>(0.5 * turn_hz * kTurnWindow_s);
   if (reach < 4 * kMainLobe) return 0.0;
   double widest_hz = 0.0;

@@ -11,11 +11,12 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kMinSeconds = 5.0;  // least length of the signal
-constexpr double kSettle_s = 1.0;    // beginning that is left out, until the filters have settled
-constexpr double kWindow_s = 0.2;    // of one RMS value
-constexpr double kShare = 0.999;     // the percentile
+constexpr double kSettle_s = 1.0;    // beginning that is left out: the filters settle
+constexpr double kWindow_s = 0.2;    // window of one RMS value
+constexpr double kShare = 0.999;     // percentile of the RMS values that is reported
 constexpr double kLow_hz = 5.0, kHigh_hz = 40.0, kQ = 0.7071067811865476;  // band; Butterworth filters
-constexpr double kMaxDrag = 1.02, kStep = 1.2;  // accepted drag factor; growth of tremor_N per step
+// Accepted mean factor on the drag; factor on tremor_N in each step.
+constexpr double kMaxDrag = 1.02, kStep = 1.2;
 constexpr int kMaxSteps = 30;
 constexpr double kLeast_N = 1e-3;  // smallest tremor_N
 
@@ -38,7 +39,7 @@ std::vector<double> EffectiveForce(std::span<const Wrench> F_T, double period_s)
   return effective;
 }
 
-// Mean damping factor of the vibration index over the recording, with this tremor allowed.
+// Mean factor of the vibration index on the drag over the recording, with the given tremor_N.
 double MeanDrag(std::span<const Wrench> F_T, control::VibrationParams params, double tremor_N,
                 double period_s) {
   params.reference.tremor_N = tremor_N;

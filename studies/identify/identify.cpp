@@ -28,15 +28,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRest_s = 60.0, kTremor_s = 30.0;    // length of the noise and the tremor run
-constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;  // of the fitted runs; of the validation runs
-constexpr int kJointDraws = 2, kJointPeriods = 2;     // 24 s
+constexpr double kRest_s = 60.0, kTremor_s = 30.0;  // lengths of the noise run and the tremor run
+// Seeds of the runs that are fitted, and of the runs for validation.
+constexpr std::uint64_t kSeed = 1, kOtherSeed = 101;
+constexpr int kJointDraws = 2, kJointPeriods = 2;  // they take 24 s
 
 // A recording to be made.
 struct PlannedRun {
   ExcitationRequest request;
   fs::path file;
-  bool validates{false};  // it judges a fit, instead of being fitted
+  bool validates{false};  // the run is not fitted: it validates another run's fit
 };
 
 // Plans the runs that move one joint after another, at each speed.
@@ -54,8 +55,8 @@ void PlanJoints(const IdentifyOptions& options, int joints, std::vector<PlannedR
 }
 
 // Plans the requested runs and their files, in the order in which they are made.
-// @param joints  number of joints of the cell's arm
-// @param overlay  the cell has the impedance law: a force is laid over the arm's own impedance
+// @param joints         number of joints of the cell's arm
+// @param overlay        the cell has the impedance law: the excitation is a force on the arm's own impedance
 // @param has_no_tremor  the simulated hand has no tremor that could be measured
 std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, int joints, bool overlay,
                                  bool has_no_tremor) {
@@ -92,14 +93,15 @@ std::vector<PlannedRun> PlanRuns(const IdentifyOptions& options, int joints, boo
   return runs;
 }
 
-// Whether a file of this name is a recording of PlanRuns.
+// Whether a file of this name is a recording that PlanRuns names.
 bool IsRecording(const std::string& name) {
   constexpr std::array kBegin{"noise.", "tremor.", "free_", "held_", "validate_", "joint_"};
   return name.ends_with(".mcap") &&
          std::ranges::any_of(kBegin, [&](const char* begin) { return name.starts_with(begin); });
 }
 
-// Moves an earlier identification's results into a subfolder; its recordings as well, if new ones are made.
+// Moves the result files of an earlier identification into a subfolder, and its recordings as well if new
+// ones are made.
 // @returns an error, or an empty text
 std::string KeepEarlierFiles(const IdentifyOptions& options) {
   std::vector<fs::path> files;
@@ -120,12 +122,12 @@ std::string KeepEarlierFiles(const IdentifyOptions& options) {
 constexpr const char* kNoTremor =
     "left out: the simulated hand has no tremor; found operator: tremor_N: 0, accepted more than 0";
 
-// The simulated hand has no tremor that could be measured.
+// Whether the run is simulated with a hand that has no tremor to measure.
 bool HasNoTremor(const IdentifyOptions& options, const config::CellConfig& cell) {
   return options.simulated && cell.simulated.hand.tremor_N == 0.0;
 }
 
-// The recordings of an identification, by their use.
+// The recordings of an identification, sorted by their use.
 struct Recordings {
   std::vector<fs::path> fits, validations;
 };
@@ -156,10 +158,10 @@ tl::expected<Recordings, std::string> RecordRuns(const IdentifyOptions& options)
   return recordings;
 }
 
-// Names a recording that is given twice: it would count twice in a fit, or validate the fit made from it.
-// Empty: there is none.
+// Names a recording that is given twice. It would count twice in a fit, or validate the fit that was made
+// from it. Empty: there is none.
 std::string RepeatedFile(const Recordings& recordings) {
-  std::map<std::string, fs::path> known;  // by their hashes
+  std::map<std::string, fs::path> known;  // names of recordings by the hashes of their files
   for (const std::vector<fs::path>* files : {&recordings.fits, &recordings.validations})
     for (const fs::path& file : *files)
       if (const auto [first, is_new] = known.emplace(HashOf(file), file); !is_new)
@@ -169,7 +171,7 @@ std::string RepeatedFile(const Recordings& recordings) {
   return "";
 }
 
-// Estimates from all recordings, then judges the estimates and the cell's present gains.
+// Estimates from all recordings, then judges the estimates, and the cell's present gains by the estimates.
 tl::expected<IdentifyResult, std::string> EstimateAll(const IdentifyOptions& options,
                                                       const Recordings& recordings) {
   const config::CellConfig cell = config::LoadCell(options.cell);
@@ -201,20 +203,20 @@ void Print(const IdentifyResult& result) {
   fmt::print("  {:<30} {:.0f} s of data in {:.2g} s\n", "Estimated", result.data_s, result.estimated_s);
 }
 
-// Whether the result contains anything that a cell or a study uses.
+// Whether the result contains anything that a cell or a study can use.
 bool HasContent(const config::IdentifiedCell& identified) {
   return !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty() ||
          identified.vibration || identified.dead_zone_N;
 }
 
-// The line that names the command for the written file: `osteon tune`, or a run if neither arm nor hand was
-// measured.
+// The line that names the next command for the written file: `osteon tune`, or a run if neither arm nor hand
+// was measured.
 std::string WrittenText(const fs::path& file, const config::IdentifiedCell& identified) {
   const bool tunes = !identified.arm.empty() || !identified.response.empty() || !identified.hands.empty();
   return fmt::format("{0}: osteon {1} CELL --identified {0} takes it", file.string(), tunes ? "tune" : "run");
 }
 
-// The same figures as lines of a cell's file, for a user who does not want `identified: FILE`.
+// Prints the same figures as lines for the cell's file, for a user who does not want `identified: FILE`.
 void PrintCellLines(const config::IdentifiedCell& identified) {
   const auto line = [](const std::string& text) { fmt::print("  {:<30} {}\n", "In the cell's file", text); };
   if (identified.dead_zone_N) line(fmt::format("admittance: dead_zone_N: {:.3g}", *identified.dead_zone_N));
@@ -256,7 +258,8 @@ tl::expected<void, std::string> Write(const IdentifyOptions& options, const Iden
   return {};
 }
 
-// Prints the table of identifications of the cell's simulated arm from synthetic recordings: their accuracy.
+// Prints the table that shows the accuracy of identification: the cell's simulated arm is identified from
+// synthetic recordings.
 // @returns the process's exit code
 int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   config::RequireSimulation(cell, options.cell);
@@ -280,7 +283,8 @@ int RunTable(const IdentifyOptions& options, const config::CellConfig& cell) {
   return written ? 0 : session::Fail("identify", written.error(), session::kFailed);
 }
 
-// Says why the cell's joints cannot be moved as requested; empty: they can, or no joint run is requested.
+// Says why the cell's joints cannot be moved as requested; empty: they can be moved, or no joint run is
+// requested.
 std::string WrongJoints(const IdentifyOptions& options, const config::CellConfig& cell) {
   if (!options.runs.joints || !options.recordings.empty()) return "";
   if (cell.servo.law == control::Law::kImpedance)

@@ -10,18 +10,18 @@ namespace osteon::studies {
 /// Runs that `osteon identify` can do.
 struct IdentifyRuns {
   bool noise{true}, free{true}, validate{true};
-  bool held{false};    ///< with a hand at the handle
-  bool tremor{false};  ///< a hand holds the handle of the arm at rest
-  bool joints{false};  ///< one joint after another, with nobody at the handle
+  bool held{false};    ///< runs with a hand at the handle
+  bool tremor{false};  ///< a run in which a hand holds the handle of the arm at rest
+  bool joints{false};  ///< runs that move one joint after another, with nobody at the handle
 };
 
-/// Command line of `osteon identify`.
+/// Options of `osteon identify`.
 struct IdentifyOptions {
   std::filesystem::path cell;
   bool simulated{false};  ///< moves the simulated cell, in virtual time
-  bool wall_time{false};  ///< with `simulated`: in wall time, on its real wires
+  bool wall_time{false};  ///< with `simulated`: in wall time, over the protocols of a real cell
   IdentifyRuns runs{};
-  std::string axes{"xyz"};                           ///< of the tool's frame
+  std::string axes{"xyz"};                           ///< axes of the tool's frame
   std::vector<double> speeds_m_per_s{0.01, 0.05};    ///< peak speeds
   std::vector<int> joints{};                         ///< 1 … 7; empty: all of the arm
   std::vector<double> joint_speeds_rad_per_s{0.15};  ///< peak speeds of a joint
@@ -30,7 +30,7 @@ struct IdentifyOptions {
   std::vector<std::filesystem::path> validations{};
   std::filesystem::path out{
       "identify"};               ///< folder for recordings, identified.yaml, identify.json, identify.html
-  std::filesystem::path json{};  ///< also write the figures there; empty: nowhere else
+  std::filesystem::path json{};  ///< a second copy of identify.json; empty: none
   const std::atomic<bool>* stop{nullptr};
   int table_seeds{0};  ///< above 0: only the table of synthetic recordings is made, with this many seeds
   std::string command_line{};

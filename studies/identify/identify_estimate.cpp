@@ -19,13 +19,15 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3;  // least motion for a total lag, and its speed
-constexpr double kPassiveHand_N = 5.0;  // least peak force with which a total lag's compliance is reported
-constexpr double kPosture_rad = 0.02;   // largest difference of two starts that count as the same
-constexpr double kStructureChi2 = 3.0;  // of an arm's fit: above it the handle moves unlike the encoders
-constexpr double kNearModel = 0.01;     // largest residual of a usable model, for a response of 1
+// Least time in motion for a total lag; its speed.
+constexpr double kMinMotion_s = 10.0, kMoves_m_per_s = 1e-3;
+constexpr double kPassiveHand_N = 5.0;  // least peak force for a compliance beside a total lag
+constexpr double kPosture_rad = 0.02;   // largest joint difference of equal start postures
+constexpr double kStructureChi2 = 3.0;  // chi² above which handle and encoders move differently
+// Largest residual of a model that is still usable, relative to a response of 1.
+constexpr double kNearModel = 0.01;
 
-// A recording with its own cell and its excitation.
+// A recording with the cell that it contains and its excitation.
 struct ReadRun {
   config::IdentifiedRecording named;
   io::Recording recording;
@@ -34,7 +36,7 @@ struct ReadRun {
   config::CellConfig cell;                   // the cell with which it was recorded
 };
 
-// Why the found cell is not the accepted one; empty: it is.
+// Says why the found cell is not the accepted one; empty: it is.
 std::string DifferenceOf(const config::CellConfig& found, const config::CellConfig& accepted) {
   if (found.robot.name != accepted.robot.name)
     return fmt::format("another cell's recording: found the robot {}, accepted {}", found.robot.name,
@@ -72,7 +74,7 @@ tl::expected<ReadRun, std::string> ReadRunOf(const std::filesystem::path& file,
   return run;
 }
 
-// The noise along the noisiest direction of the force, over the ticks at rest in the pause.
+// The noise of the force in its noisiest direction, over the ticks at rest in the pause.
 ForceNoise NoiseOf(const std::vector<control::TickRecord>& ticks, double period_s) {
   std::array<std::vector<double>, 3> force_N;
   for (const control::TickRecord& tick : ticks) {
@@ -131,7 +133,7 @@ void FillHarmonics(const std::vector<control::TickRecord>& ticks, double period_
   }
 }
 
-// The tool's motion per command by the force sensor: F / q_cmd over m w^2, the inertial force per motion.
+// Motion per command by the force sensor: F / q_cmd divided by the inertial force per motion, m w^2.
 MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   for (ResponseLine& line : response.lines) {
     const double w = 2.0 * std::numbers::pi * line.hz, per_m = mass_kg * w * w;
@@ -142,7 +144,7 @@ MeasuredResponse ByForce(MeasuredResponse response, double mass_kg) {
   return response;
 }
 
-// Sums of the normal equations of error = lag speed + c force over a part of a motion. Solve: (lag, c).
+// Sums for the least squares of error = lag × speed + c × force over a part of a motion. Solve: (lag, c).
 struct LagSums {
   Eigen::Matrix2d normal{Eigen::Matrix2d::Zero()};
   Eigen::Vector2d right{Eigen::Vector2d::Zero()};
@@ -159,8 +161,8 @@ struct LagSums {
   }
 };
 
-// The mass by which the hand's force of a held run moves the arm of a free run; absent if it does not stand
-// out. It is estimated line by line from both runs' measurements: friction changes P by more than the hand.
+// The effective mass of the arm for the hand's force, estimated line by line; absent if the hand's effect
+// does not stand out. P is measured, since friction changes it by more than the hand does.
 // @param arm  the model of the commanded arm
 std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, const AxisResult& held,
                                  double tool_mass_kg) {
@@ -174,11 +176,11 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
     const ResponseLine& line = held.by_encoders.lines[i];
     const double w = 2.0 * std::numbers::pi * line.hz;
     if (line.hz > kMaxHz) break;
-    // the hand's force: the sensor's, without its delay, and with the inertial force of the tool
+    // the hand's force is the sensor's reading, without its delay, plus the tool's inertial force
     const std::complex<double> force =
         (held.force_over_position->lines[i].value * std::polar(1.0, w * delay_s) - tool_mass_kg * w * w) *
         line.value;
-    // 1 / M = (Y/U - P) / (F/U) (w0^2 - w^2 + 2 i z w0 w) with the arm's w0 and z
+    // 1 / M = (Y/U - P) / (F/U) (w0^2 - w^2 + 2 i z w0 w), see FillFeltMasses; w0, z are the arm's
     const std::complex<double> spring(natural * natural - w * w, 2.0 * arm.damping_ratio * natural * w);
     const std::complex<double> per_mass = (line.value - free.by_encoders.lines[i].value) / force * spring;
     const double sd = std::hypot(line.sd, free.by_encoders.lines[i].sd) / std::abs(force) * std::abs(spring);
@@ -196,7 +198,7 @@ std::optional<Estimate> FeltMass(const ServoModel& arm, const AxisResult& free, 
   return Estimate{.value = 1.0 / inverse, .half_width = half_width / (inverse * inverse)};
 }
 
-// The arm of a cell that a force was laid over; nothing if the cell has no LBR with masses.
+// The arm of a cell whose excitation was a force; nothing if the cell has no LBR with masses.
 std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const ExcitedAxis& axis,
                                          const kinematics::JointVectorN<7>& joint_rms_rad_per_s) {
   const config::LbrConfig* lbr = cell.robot.lbr();
@@ -214,8 +216,8 @@ std::optional<OverlaidArm> OverlaidArmOf(const config::CellConfig& cell, const E
 }
 
 // The free run of the same axis whose speed is nearest to that of a held run; null if there is none.
-// @param with_model  only runs whose model holds, or is near enough for a mass: in a measurement with little
-// noise, friction can make a usable model fail
+// @param with_model  only runs whose model holds, or has a small residual. With little noise, friction can
+// make a usable model fail
 const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& held, bool with_model) {
   const AxisResult* nearest = nullptr;
   const auto speed_difference = [&](const AxisResult& axis) {
@@ -229,7 +231,7 @@ const AxisResult* FreeRunBeside(const IdentifyResult& result, const AxisResult& 
   return nearest;
 }
 
-// Fits the hand in each counted period by itself.
+// Fits the hand in each counted period alone.
 void FillWindows(const ExcitedRun& run, double tool_mass_kg, AxisResult& axis) {
   const std::vector<std::vector<ResponseLine>> periods =
       MeasurePeriods(run, Signal::kPosition, Signal::kForce, *axis.force_over_position);
@@ -243,7 +245,7 @@ double SecondsOf(const ReadRun& run) {
   return run.cell.servo.period_s * static_cast<double>(run.recording.ticks.size());
 }
 
-// Estimates an axis or a joint from an excited run; adds a finding to `refused` if that is not possible.
+// Estimates an axis or a joint from an excited run. If this is not possible, adds a finding to `refused`.
 std::optional<AxisResult> EstimateRun(const ReadRun& run, IdentifyResult& result) {
   const std::string where = run.named.file;
   const auto refuse = [&](const std::string& what) {
@@ -293,7 +295,8 @@ tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run, const 
   auto fit = FitServo(axis.by_encoders.lines, run.period_s);
   if (!fit) return tl::unexpected(fit.error());
   axis.fit = *fit;
-  if (request.joint > 0) return axis;  // the force has all directions, and does not describe one joint
+  // the force sensor cannot describe one joint: its force has all directions
+  if (request.joint > 0) return axis;
   if (request.overlay && overlaid != nullptr) {
     axis.overlaid = *overlaid;
     axis.overlaid->has_friction = axis.by_encoders.odd_ratio > kNotLinear;
@@ -388,7 +391,7 @@ void FillFeltMasses(IdentifyResult& result) {
 
 namespace {
 
-// Adds the estimate that a recording allows, by its excitation: total lag, noise, tremor, axis or joint.
+// Adds the estimate that the recording's excitation allows: total lag, noise, tremor, axis or joint.
 tl::expected<void, std::string> AddFit(const tl::expected<ReadRun, std::string>& run,
                                        IdentifyResult& result) {
   if (!run) return tl::unexpected(run.error());
@@ -423,7 +426,8 @@ tl::expected<void, std::string> AddFit(const tl::expected<ReadRun, std::string>&
   return {};
 }
 
-// Sets the validation chi² of the fits whose run was excited as this recording was.
+// Sets the validation chi² of those fits whose run had the same excitation as this recording, apart from the
+// seed.
 tl::expected<void, std::string> AddValidation(const std::filesystem::path& file,
                                               const tl::expected<ReadRun, std::string>& run,
                                               IdentifyResult& result) {
@@ -463,7 +467,7 @@ tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
 tl::expected<void, std::string> AddAll(std::span<const std::filesystem::path> fits,
                                        std::span<const std::filesystem::path> validations,
                                        const config::CellConfig& cell, IdentifyResult& result) {
-  constexpr std::size_t kAhead = 2;  // files that are read while another is estimated
+  constexpr std::size_t kAhead = 2;  // number of files that are read ahead while another is estimated
   const std::size_t count = fits.size() + validations.size();
   const auto file = [&](std::size_t i) { return i < fits.size() ? fits[i] : validations[i - fits.size()]; };
   std::deque<std::future<tl::expected<ReadRun, std::string>>> coming;

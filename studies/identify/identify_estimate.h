@@ -11,11 +11,11 @@
 
 namespace osteon::studies {
 
-/// Estimates one axis from samples: the response by the encoders and the arm; in free air also tool and
-/// sensor; with a hand also the hand; with an overlay the arm's own impedance. For a joint, only the response
-/// by its encoder.
+/// Estimates one axis from samples. Always: the response by the encoders, and the arm. In free air: also the
+/// tool on the sensor. With a hand: also the hand. With an overlay: the arm's own impedance. For a joint:
+/// only the response by its encoder.
 /// @param tool_mass_kg  mass on the sensor's tool side, needed for a hand
-/// @param overlaid  needed for an overlay: the arm that the force is laid over
+/// @param overlaid      needed for an overlay: the arm on which the force acted
 /// @returns an error that says what is missing
 [[nodiscard]] tl::expected<AxisResult, std::string> EstimateAxis(const ExcitedRun& run,
                                                                  const ExcitationRequest& request,
@@ -26,38 +26,41 @@ namespace osteon::studies {
 ///
 ///     (x_cmd - x_meas) = lag v_cmd + c F_hand
 ///
-/// in the tool's three directions, where the tool moves. The interval follows from parts of 1 s.
+/// in the tool's three directions, over the ticks in which the tool moves; v_cmd is the commanded velocity, c
+/// the arm's compliance. The interval follows from the scatter over parts of 1 s.
 /// @returns an error if there are fewer than 10 s of motion
 [[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
     const std::vector<control::TickRecord>& ticks, double period_s);
 
-/// Fits the hand of each held run again with two results of the free runs: whether the force sensor feels the
-/// tool's inertia, and by how much the arm differs from a model without structure. The handle's motion may
-/// differ from the encoders' by the same amount.
+/// Fits the hand of each held run again, with two results of the free runs: whether the force sensor measures
+/// the tool's inertia, and by how much the arm's response differs from its model. The handle's motion may
+/// differ from the encoders' by the same amount, which limits the accuracy of the hand's fit.
 void UseFreeRuns(IdentifyResult& result);
 
-/// Computes for each held run the mass by which the hand's force moves the commanded arm, from the free run
-/// of the same axis at the nearest speed, where a free run of the axis has a model that holds:
+/// Computes for each held run the effective mass M of the commanded arm for the hand's force F. It uses the
+/// free run of the same axis at the nearest speed, if that run's model holds:
 ///
-///     Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2)),   F the hand's force
+///     Y/U = P + C F/U,   C = 1 / (M (s^2 + 2 z w s + w^2))
 ///
-/// by weighted least squares up to 30 Hz. A run has no such mass if the deflection does not stand out of the
-/// noise, as with a stiff arm.
+/// with the held run's response Y/U from command to position, the free run's response P, and the natural
+/// frequency w and damping ratio z of the free run's model. The fit is by weighted least squares up to 30 Hz.
+/// A held run gets no mass if the deflection due to the hand does not stand out of the noise, as with a stiff
+/// arm.
 void FillFeltMasses(IdentifyResult& result);
 
 /// Hash of a file's bytes: FNV-1a, 16 hexadecimal digits.
 [[nodiscard]] std::string HashOf(const std::filesystem::path& file);
 
-/// Reads a recording, judges it, and adds what was estimated from it to the result: an axis, a joint, noise,
-/// a tremor, or a total lag. Bad data become findings in `result.refused`.
+/// Reads a recording, judges it, and adds the estimates from it to the result: an axis, a joint, noise, a
+/// tremor, or a total lag. Bad data become findings in `result.refused`.
 /// @returns an error if the file cannot be read
 [[nodiscard]] tl::expected<void, std::string> AddRecording(const std::filesystem::path& file,
                                                            const config::CellConfig& cell,
                                                            IdentifyResult& result);
 
-/// Adds all recordings of `fits`, then compares the fitted axes with the recordings `validations`, which have
+/// Adds all recordings of `fits`, then tests the fitted axes on the recordings `validations`, which have
 /// other seeds. The next two files are read while one is estimated; the result does not depend on this.
-/// @returns an error if a file cannot be read, or a validation fits no axis of the result
+/// @returns an error if a file cannot be read, or a validation recording belongs to no fitted axis
 [[nodiscard]] tl::expected<void, std::string> AddAll(std::span<const std::filesystem::path> fits,
                                                      std::span<const std::filesystem::path> validations,
                                                      const config::CellConfig& cell, IdentifyResult& result);

@@ -9,20 +9,21 @@
 
 namespace osteon::studies {
 
-/// An angle or its speed in degrees, as users read it.
+/// Converts an angle or an angular speed to degrees, as users read them.
 [[nodiscard]] inline double Degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 /// RMS speed of an axis or of a joint: "20.5 mm/s", "3.5 deg/s".
 [[nodiscard]] std::string SpeedText(const AxisResult& axis);
 
-/// Judges each joint as an axis is judged, and compares the joints: if their lags differ by more than 5 %,
-/// the lag along an axis holds only for its posture. Adds to `refused` and `warnings`, and sets model_holds.
+/// Judges each joint in the same way as an axis, and compares the joints. If their lags differ by more than 5
+/// %, the lag along an axis holds only for the measured posture. Adds to `refused` and `warnings`, and sets
+/// model_holds.
 void JudgeJoints(IdentifyResult& result);
 
 /// `joints[]` of osteon.identify/1: angles in degrees, times in ms.
 [[nodiscard]] nlohmann::ordered_json JointsJson(const IdentifyResult& result);
 
-/// The line of a joint on page and terminal.
+/// The row of a joint for page and terminal.
 [[nodiscard]] report::SummaryRow JointRow(const AxisResult& joint);
 
 }  // namespace osteon::studies

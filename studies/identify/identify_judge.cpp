@@ -7,28 +7,35 @@
 #include "studies/identify/identify_joints.h"
 #include "studies/identify/identify_result.h"
 
-// Decides which results are refused, and what the user is told, by the limits of design and documentation.
+// Decides which results are refused, and what the user is told. The limits are those of design and
+// documentation.
 
 namespace osteon::studies {
 namespace {
 
-constexpr double kHeldFactor = 1.5;   // factor on the tool's mass above which a hand holds it
-constexpr double kMaxMassOff = 0.05;  // relative difference of the measured from the tool's mass
-constexpr double kMinGain = 0.98, kMaxDamping = 3.0;  // beyond either, a joint sticks: gain, damping ratio
-constexpr double kOddOverEven = 3.0;    // friction is the cause if odd lines exceed even ones by this factor
-constexpr double kVeryOdd = 0.1;        // share of the motion on odd lines that is refused
-constexpr double kMaxChi2 = 3.0;        // of a model that fits
-constexpr double kMaxValidation = 2.0;  // factor on the fit's chi² for other data
-constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;  // below: no hand; above: more than a tremor
-// Limits of an overlay's fit, relative half widths; damping has a wider one, as friction hides a part of it.
+// Measured mass, as a factor on the tool's mass, above which a hand holds the handle.
+constexpr double kHeldFactor = 1.5;
+// Accepted relative difference of the measured mass from the tool's mass.
+constexpr double kMaxMassOff = 0.05;
+// A joint sticks below this gain, or above this damping ratio.
+constexpr double kMinGain = 0.98, kMaxDamping = 3.0;
+// Friction is the cause if the odd lines' level exceeds the even lines' by this factor.
+constexpr double kOddOverEven = 3.0;
+constexpr double kVeryOdd = 0.1;        // share of the motion on odd lines above which a run is refused
+constexpr double kMaxChi2 = 3.0;        // largest chi² of a model that fits
+constexpr double kMaxValidation = 2.0;  // largest chi² of a validation, as a factor on the fit's chi²
+// Smaller: no hand held the handle; larger: more than a tremor.
+constexpr double kMinTremor_N = 0.005, kMaxTremor_N = 50.0;
+// Largest relative half widths of an overlay's fit. That of the damping is wider, since friction hides a part
+// of the damping.
 constexpr double kMaxMassInterval = 0.1, kMaxSpringInterval = 0.15, kMaxDampingInterval = 0.25,
                  kMaxResidual = 0.02;
-constexpr double kMaxLagInterval_s = 0.12e-3;  // half width
+constexpr double kMaxLagInterval_s = 0.12e-3;  // largest half width of the lag
 constexpr double kMinCoherence = 0.5;
-constexpr double kMaxLost = 0.10;          // share of messages and answers
-constexpr double kPassiveHand_N = 5.0;     // above: a hand was felt in a motion without excitation
+constexpr double kMaxLost = 0.10;          // largest share of lost messages or answers
+constexpr double kPassiveHand_N = 5.0;     // larger: a hand held the handle in a motion without excitation
 constexpr double kSamePosture_rad = 0.02;  // largest joint difference from the cell's start
-constexpr double kMinHand_N_per_m = 50.0;  // below: nobody holds the handle
+constexpr double kMinHand_N_per_m = 50.0;  // smaller stiffness: nobody holds the handle
 
 // The line nearest to a frequency.
 const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
@@ -36,8 +43,8 @@ const ResponseLine& LineAt(const MeasuredResponse& response, double hz) {
                                    [hz](const ResponseLine& line) { return std::abs(line.hz - hz); });
 }
 
-// Refuses a run if its hand or its tool is not the expected one: a held run without a hand, a free run with
-// one.
+// Refuses a held run in which no hand holds the handle, and a free run in which a hand or another tool adds
+// to the mass.
 void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   if (axis.request.held) {
     const double stiffness_N_per_m = axis.hand ? axis.hand->stiffness_N_per_m.value : 0.0;
@@ -53,7 +60,7 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
     return;
   }
   const double mass_kg = axis.tool->mass_kg.value;
-  // a force over the arm turns the tool as well, so that its mass on the sensor is not the whole one
+  // A force on the arm also turns the tool, so the sensor does not measure the tool's whole mass.
   if (axis.overlay && mass_kg < kHeldFactor * result.tool_mass_kg) return;
   if (!(std::abs(mass_kg - result.tool_mass_kg) <= kMaxMassOff * result.tool_mass_kg))
     result.refused.push_back(
@@ -63,12 +70,13 @@ void JudgeMass(const AxisResult& axis, const std::string& where, IdentifyResult&
                      mass_kg, result.tool_mass_kg, 100.0 * kMaxMassOff)});
 }
 
-// Refuses a joint that sticks; warns of friction, and refuses a motion with much of it.
+// Refuses a run in which a joint sticks. Warns of friction, and refuses a motion with too much friction.
 void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const MeasuredResponse& response = axis.by_encoders;
-  // If the hand moves the arm, a held run's gain depends on the springs of arm and hand: it has no limits.
+  // A held run's gain is not checked: if the hand moves the arm, the gain depends on the springs of arm and
+  // hand.
   const double gain = std::abs(response.lines.front().value);
-  // an overlay's gain is that of the arm's own spring, which is to be found
+  // An overlay's gain is not checked: it follows from the arm's own spring, which is to be estimated.
   const double damping = axis.overlay ? axis.overlay->damping_ratio.value : axis.fit.damping_ratio.value;
   if (!axis.request.held && ((gain < kMinGain && !axis.overlay) || damping > kMaxDamping))
     result.refused.push_back(
@@ -88,8 +96,8 @@ void JudgeLinearity(AxisResult& axis, const std::string& where, IdentifyResult& 
     result.warnings.push_back({where, found + ": friction; the figures hold near this speed alone"});
 }
 
-// Refuses a run with too few data: mass or lag has too wide an interval even without the factor for a model
-// that does not fit, which more data would not reduce.
+// Refuses a run that is too short: the interval of mass or lag is too wide. The factor by which a bad model
+// widens the interval is removed before, since more data would not reduce it.
 void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const double misfit = std::sqrt(std::max(1.0, axis.overlay ? axis.overlay->chi2 : axis.fit.chi2));
   const double seconds = control::Multisine::kPeriod_s * axis.by_encoders.periods;
@@ -112,7 +120,7 @@ void JudgeAmount(const AxisResult& axis, const std::string& where, IdentifyResul
                      seconds, 1e3 * lag_interval_s, 1e3 * kMaxLagInterval_s)});
 }
 
-// Warns if spring, damper and mass fit the hand badly, which widens their intervals.
+// Warns if spring, damper and mass fit the hand badly. Its intervals are then wider.
 void JudgeHand(const AxisResult& axis, const std::string& where, IdentifyResult& result) {
   if (!(axis.hand->chi2 > kMaxChi2)) return;
   result.warnings.push_back(
@@ -121,8 +129,8 @@ void JudgeHand(const AxisResult& axis, const std::string& where, IdentifyResult&
                           axis.hand->chi2, 100.0 * axis.hand->residual, kMaxChi2)});
 }
 
-// Clears model_holds, with a warning, if an overlay's model fits badly or its spring and damping are not well
-// known: then only the measured response is written.
+// Clears model_holds, with a warning, if an overlay's model fits badly, or its spring or damping is not known
+// well. Then only the measured response is written.
 void JudgeImpedance(AxisResult& axis, const std::string& where, IdentifyResult& result) {
   const ImpedanceFit& fit = *axis.overlay;
   const auto reject_model = [&](const std::string& found) {
@@ -182,7 +190,8 @@ void JudgeAxis(AxisResult& axis, IdentifyResult& result) {
                      axis.crossing_hz ? "the loop's gain is 1" : "the arm's bandwidth lies", kMinCoherence)});
   if (axis.hand) JudgeHand(axis, where, result);
   if (axis.overlay) return JudgeImpedance(axis, where, result);
-  if (axis.request.held) return;  // with a hand, the arm alone is not seen: its free run has the model
+  // with a hand the response is not the arm's alone; the free run has the arm's model
+  if (axis.request.held) return;
   const bool validated =
       !axis.validation_chi2 || *axis.validation_chi2 <= kMaxValidation * std::max(1.0, axis.fit.chi2);
   axis.model_holds = axis.fit.chi2 <= kMaxChi2 && validated;

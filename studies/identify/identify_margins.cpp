@@ -6,7 +6,8 @@
 namespace osteon::studies {
 namespace {
 
-// The arm along an axis for the loop's analysis: the response by the encoders, and the fitted model.
+// The arm along an axis for the stability analysis of the loop: the response by the encoders, and the fitted
+// model.
 MeasuredPlant PlantOf(const AxisResult& axis, double period_s) {
   std::vector<PlantLine> lines;
   for (const ResponseLine& line : axis.by_encoders.lines)

@@ -73,8 +73,7 @@ BodeCurves Fitted(const std::function<std::complex<double>(double hz)>& model, d
   return curves;
 }
 
-// The fitted arm in the units of the plot: its motion by its command, or by the force over the nominal
-// spring.
+// The fitted arm in the units of the plot: motion divided by command, or by (force / nominal stiffness).
 std::function<std::complex<double>(double hz)> FittedModel(const AxisResult& axis, double period_s) {
   if (!axis.overlay)
     return [model = axis.fit.model, period_s](double hz) { return SampledResponse(model, period_s, hz); };
@@ -116,7 +115,7 @@ std::string BodeSvg(const AxisResult& axis, double period_s) {
   return figure.Svg();
 }
 
-// All joints in one figure, at each speed.
+// Draws all joints in one figure, at each speed.
 std::string JointsSvg(const IdentifyResult& result) {
   BodeFigure figure("The joints, each moved alone");
   for (const AxisResult& joint : result.joints) {
@@ -128,7 +127,7 @@ std::string JointsSvg(const IdentifyResult& result) {
   return figure.size() == 0 ? "" : figure.Svg();
 }
 
-// Lag of the free runs over their RMS speed, a curve per axis; empty if there are none.
+// Draws the lag of the free runs over their RMS speed, a curve per axis; empty if there are no free runs.
 std::string LagSvg(const IdentifyResult& result) {
   report::LineChart chart{.title = "Total lag over speed",
                           .x_label = "RMS speed of the tool [mm/s]",
@@ -155,7 +154,7 @@ std::string LagSvg(const IdentifyResult& result) {
   return chart.series.empty() ? "" : report::Svg(chart);
 }
 
-// The hand's stiffness in each counted period, a curve per held run; empty if there are none.
+// Draws the hand's stiffness in each counted period, a curve per held run; empty if there are no held runs.
 std::string HandSvg(const IdentifyResult& result) {
   report::LineChart chart{
       .title = "The hand's stiffness over time", .x_label = "counted time [s]", .y_label = "stiffness [N/m]"};

@@ -15,9 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMaxNotch_hz = 20.0;  // largest width that a cell's file may have
+constexpr double kMaxNotch_hz = 20.0;  // largest width of the notch that a cell's file accepts
 
-// The 95 % interval, as the cell's file has it.
+// The 95 % interval of an estimate, in the form of the cell's file.
 config::IdentifiedInterval Interval(const Estimate& estimate) {
   return {.low = estimate.value - estimate.half_width, .high = estimate.value + estimate.half_width};
 }
@@ -167,7 +167,7 @@ Json PassiveJson(const PassiveLag& passive) {
                {"spindle", harmonics}});
 }
 
-// The felt mass of an axis, from the held run that knows it best.
+// The effective mass along an axis, from the held run with the narrowest interval.
 std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
   std::optional<Estimate> best;
   for (const AxisResult& held : result.axes)
@@ -177,7 +177,7 @@ std::optional<double> FeltMassOf(char axis, const IdentifyResult& result) {
   return best ? std::optional(best->value) : std::nullopt;
 }
 
-// Settings of the vibration index that the hand's tremor and the spindle's own forces require.
+// Parameters of the vibration index, from the hand's tremor and the spindle's own forces.
 std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& result) {
   config::IdentifiedVibration vibration;
   if (result.tremor) vibration.tremor_N = result.tremor->tremor_N;
@@ -188,12 +188,13 @@ std::optional<config::IdentifiedVibration> VibrationOf(const IdentifyResult& res
   return vibration;
 }
 
-// A response x / f times the spring that was found: about 1 at low frequencies, as of an arm to its command.
+// A response x / f multiplied by the fitted stiffness. It is about 1 at low frequencies, like the response of
+// an arm to its command.
 MeasuredResponse PerSpring(const MeasuredResponse& response, double stiffness_N_per_m) {
   return PerForce(response, 1.0 / stiffness_N_per_m);
 }
 
-// The fit of an impedance, in the terms of an arm that follows its command.
+// The fit of an impedance, as the parameters of an arm that follows its command.
 ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   fit.bandwidth_hz = overlay.bandwidth_hz;
   fit.damping_ratio = overlay.damping_ratio;
@@ -204,14 +205,14 @@ ServoFit AsArm(const ImpedanceFit& overlay, ServoFit fit) {
   return fit;
 }
 
-// An estimate whose 95 % interval is at most ± 25 %; a less exact one is not written.
+// Returns an estimate's value if its 95 % interval is at most ± 25 %. A less exact value is not written.
 std::optional<double> IfKnown(const Estimate& estimate) {
   constexpr double kMaxInterval = 0.25;
   if (!(estimate.value > 0.0 && estimate.half_width <= kMaxInterval * estimate.value)) return {};
   return estimate.value;
 }
 
-// The arm's own springs, from an overlay; none without.
+// The arm's own springs, from a run with an overlay; none for any other run.
 std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
   if (!axis.overlay) return {};
   const ImpedanceFit& fit = *axis.overlay;
@@ -222,8 +223,8 @@ std::optional<config::IdentifiedImpedance> ImpedanceOf(const AxisResult& axis) {
                                      .on_mount = fit.on_mount};
 }
 
-// The plant in the loop of a hand, from command to motion: F / q_cmd divided by the hand's impedance, force
-// over motion.
+// The response from command to motion that the loop of a hand contains: F / q_cmd divided by the hand's
+// impedance (force over motion).
 config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config::IdentifiedHand& hand) {
   config::IdentifiedResponse response{
       .axis = std::string(1, axis.request.axis), .speed_m_per_s = axis.rms_speed_m_per_s, .hand = hand.name};
@@ -238,7 +239,7 @@ config::IdentifiedResponse ResponseWithHand(const AxisResult& axis, const config
   return response;
 }
 
-// Adds an axis' results for sensor, hands and link; the link's are the worst of all axes.
+// Adds an axis' results for sensor, hands and link. The link gets the worst figures of all axes.
 void AddDevices(const AxisResult& axis, config::IdentifiedCell& cell) {
   if (axis.tool && (!cell.sensor || !cell.sensor->delay_s)) {
     if (!cell.sensor) cell.sensor.emplace();

@@ -24,7 +24,7 @@ namespace {
 // Search ranges of the wall's stiffness [N/m] and the drag [N s/m].
 constexpr hil::BoundaryScan kWalls{.from = 100.0, .to = 1e6, .factor = 1.05, .tolerance = 1e-4};
 constexpr hil::BoundaryScan kDrags{.from = 1.0, .to = 3000.0, .factor = 1.1, .tolerance = 1e-7};
-// hands, mass and drag of the predictions in the design's table
+// hands, mass and drag with which the table's predictions are made, as in the design
 const hil::GridHand kStiffHand{"3 kN/m", 3000.0, 20.0, 1.5}, kFirmHand{"firm", 500.0, 20.0, 1.5};
 constexpr double kMass_kg = 3.0, kDrag_Ns_per_m = 20.0;
 
@@ -41,7 +41,8 @@ hil::ServoArmParams ArmOf(const ServoModel& model, double period_s) {
           .dead_cycles = std::max(0.0, model.dead_time_s / period_s)};
 }
 
-// Mean, spread and coverage of an estimate over the seeds that have a fit. @param unit  of the figure, in SI
+// Mean, spread and coverage of an estimate over the seeds that have a fit. @param unit  size of the figure's
+// unit in SI
 TableFigure FigureOf(const std::vector<std::optional<Found>>& seeds, double truth, double unit,
                      const std::function<Estimate(const Found&)>& value) {
   TableFigure figure{.truth = truth / unit};
@@ -93,7 +94,7 @@ ExcitedRun Synthesize(const SyntheticRun& run, const hil::ServoArmParams& arm_pa
   std::normal_distribution<double> noise(0.0, 1.0);
   std::uniform_real_distribution<double> chance(0.0, 1.0);
   ExcitedRun samples{.period_s = period_s, .samples = {}};
-  double held_m = 0.0;  // the last command that arrived
+  double held_m = 0.0;  // the last command that arrived at the arm
   for (int k = 0;; ++k) {
     const control::ExcitationStep step = path.Step(true);
     if (step.part == control::ExcitationPart::kDone) return samples;

@@ -7,8 +7,8 @@
 #include "hil/arm/servo_arm.h"
 #include "studies/identify/measured_response.h"
 
-// Tests how well an arm like a cell's would be identified, with synthetic recordings of a known ServoArm and
-// many seeds.
+// Tests how well an arm like a cell's is identified. It uses synthetic recordings of a ServoArm with known
+// parameters, and many seeds.
 
 namespace osteon::studies {
 
@@ -21,7 +21,8 @@ struct SyntheticRun {
   double drift_m_per_s{0.0};  ///< drift of the encoders
   double lost{0.0};           ///< share of the messages that do not come
   double lost_answers{0.0};   ///< share of the answers that the arm does not get
-  bool as_sent{false};        ///< lost answers are not taken into account: a planted error
+  /// True: lost answers are ignored in the estimation, a deliberate error for comparison.
+  bool as_sent{false};
 };
 
 /// Simulates the arm with the excitation of a run. @param seed  of phases, noise and losses
@@ -30,7 +31,7 @@ struct SyntheticRun {
 
 /// The arm of the synthetic recordings, and the number of seeds.
 struct IdentifyTableParams {
-  hil::ServoArmParams arm;  ///< the truth
+  hil::ServoArmParams arm;  ///< the parameters to be found
   double period_s{0.001};
   int seeds{30};
   int threads{0};  ///< 0: one per core
@@ -39,7 +40,8 @@ struct IdentifyTableParams {
 /// A figure over all seeds.
 struct TableFigure {
   double truth{0.0}, mean{0.0}, two_sd{0.0};
-  double inside{0.0};  ///< share of seeds whose 95 % interval holds the truth; NaN: there is no interval
+  /// Share of seeds whose 95 % interval contains the true value; NaN: there is no interval.
+  double inside{0.0};
 };
 
 /// A row of the table: the recording's settings, and the estimates compared with the truth.
@@ -47,17 +49,18 @@ struct TableRow {
   SyntheticRun run;
   double seconds{0.0};
   TableFigure hz{}, damping_ratio{}, dead_time_ms{}, lag_ms{};
-  /// Predicted with the estimated arm for a virtual tool of 3 kg: the least drag for a hand of 3 kN/m, and
-  /// the greatest wall with a firm hand (500 N/m) and 20 N s/m. A wall of 1e6 means at least 1e6; a drag is
-  /// infinite if none up to 3000 N s/m is stable.
+  /// Predictions with the estimated arm for a virtual tool of 3 kg. Drag: the least stable one with a hand of
+  /// 3 kN/m; infinite if none up to 3000 N s/m is stable. Wall: the stiffest stable one with a firm hand (500
+  /// N/m) and a drag of 20 N s/m; 1e6 means at least 1e6.
   TableFigure least_drag_Ns_per_m{}, greatest_wall_N_per_m{};
   int failed{0};  ///< seeds without a fit
 };
 
-/// The rows of design and documentation: 64 s at 50, 20 and 5 mm/s, 24 s, lost messages and lost answers.
+/// The rows of the table in design and documentation: 64 s at 50, 20 and 5 mm/s; 24 s; lost messages; lost
+/// answers.
 [[nodiscard]] std::vector<SyntheticRun> TableRuns();
 
-/// The predictions of a row with a given arm: see TableRow.
+/// Predictions for a given arm, as in TableRow.
 [[nodiscard]] double LeastDrag(const hil::ServoArmParams& arm, double period_s);
 [[nodiscard]] double GreatestWall(const hil::ServoArmParams& arm, double period_s);
 

@@ -18,17 +18,19 @@ using Joints = kinematics::JointVectorN<7>;
 
 constexpr double kHalfWidthSd = 2.0;  // half width of a 95 % interval, in standard deviations
 constexpr double kTurn = 2.0 * std::numbers::pi, kMaxDeadTime_s = 0.03;
-constexpr double kMaxRigidChi2 = 3.0;     // above: an arm on a mount is tried as well
-constexpr double kFalls = 3.0;            // factor by which the mount must lower the cost
-constexpr double kStartFriction = 0.003;  // friction ratio at which a fit begins
+constexpr double kMaxRigidChi2 = 3.0;     // chi² above which an arm on a mount is tried as well
+constexpr double kFalls = 3.0;            // factor by which a mount must lower the cost to be kept
+constexpr double kStartFriction = 0.003;  // friction ratio at which a fit starts
 constexpr std::size_t kMinLines = 6;
-constexpr int kMaxAgain = 5;          // restarts of the solver
-constexpr double kWentOn = 0.95;      // the fit has progressed if the cost is below this share of that before
-constexpr double kMountFactor = 3.0;  // standard deviation of a mount's parameters, as a factor on the start
-constexpr double kFarOff = 1e6;       // residual where the model has no finite value
+constexpr int kMaxAgain = 5;  // maximum number of restarts of the solver
+// A restart has made progress if the cost falls below this share of the previous cost.
+constexpr double kWentOn = 0.95;
+// Standard deviation of a mount's parameters, as a factor on their start values.
+constexpr double kMountFactor = 3.0;
+constexpr double kFarOff = 1e6;  // residual if the model has no finite value
 
-// The fitted parameters by index. Joint impedance has no rotational spring. The last five exist only with a
-// mount.
+// The fitted parameters by index. The rotational spring exists only with Cartesian impedance, the last five
+// only with a mount.
 enum Parameter : Eigen::Index {
   kLogMassRatio,
   kLogSpring,  // Cartesian: N/m; joints: N m/rad
@@ -45,11 +47,11 @@ enum Parameter : Eigen::Index {
   kMounted
 };
 
-// Damping of each joint [N m s/rad] by a Coulomb friction as large as its torque limit: the mean slope of the
-// friction over the joint's speeds, which are taken as normally distributed.
+// Damping of each joint [N m s/rad] by a Coulomb friction equal to its torque limit. It is the mean slope of
+// the friction over the joint's speeds, which are taken as normally distributed.
 Joints FrictionDamping(const OverlaidArm& arm) {
-  constexpr int kSteps = 400;     // of the numerical integral
-  constexpr double kReach = 6.0;  // standard deviations
+  constexpr int kSteps = 400;     // steps of the numerical integral
+  constexpr double kReach = 6.0;  // range of the integral, in standard deviations
   const double smoothing_rad_per_s = kinematics::JointFriction{}.smoothing_rad_per_s;
   Joints damping = Joints::Zero();
   for (Eigen::Index j = 0; j < 7; ++j) {
@@ -73,9 +75,9 @@ class FittedArm {
   explicit FittedArm(const OverlaidArm& overlaid)
       : overlaid_(overlaid), friction_(FrictionDamping(overlaid)) {}
 
-  // Joint impedance; otherwise Cartesian.
+  // true: joint impedance; false: Cartesian impedance
   [[nodiscard]] bool torque() const { return overlaid_.arm.torque; }
-  // The arm on the floor with these parameters.
+  // The arm on a rigid base, with these parameters.
   [[nodiscard]] ImpedanceArm At(const Eigen::VectorXd& p, bool with_friction) const {
     ImpedanceArmParams params = overlaid_.arm;
     if (torque()) {
@@ -90,7 +92,7 @@ class FittedArm {
     if (with_friction) arm.damping.diagonal() += p[kFrictionRatio] * friction_;
     return arm;
   }
-  // The response x / f [m/N], with the mount if p has its parameters.
+  // The response x / f [m/N]; with the mount if p has the mount's parameters.
   [[nodiscard]] OverlayResponse ResponseOf(const Eigen::VectorXd& p, double period_s) const {
     const ImpedanceArm arm = At(p, true);
     const double dead_s = std::clamp(p[kDeadTime_s], 0.0, kMaxDeadTime_s);
@@ -103,7 +105,7 @@ class FittedArm {
     const double mass_ratio = std::exp(p[kLogMassRatio]);
     return {OnMount(arm, overlaid_.arm, mount, mass_ratio), Along(arm), dead_s, period_s};
   }
-  // Motion along the axis per joint motion [m/rad]: the axis' row of the Jacobian.
+  // Motion along the axis per joint motion [m/rad]: the Jacobian's row along the axis.
   [[nodiscard]] Joints Along(const ImpedanceArm& arm) const {
     return arm.J.topRows<3>().transpose() * overlaid_.axis_B;
   }
@@ -129,17 +131,17 @@ class ArmModel {
  private:
   const FittedArm& arm_;
   double period_s_;
-  Eigen::VectorXd of_;  // parameters of `response_`
+  Eigen::VectorXd of_;  // the parameters with which `response_` was computed
   std::optional<OverlayResponse> response_;
 };
 
-// Projects the joints' inertia, damping or stiffness on an axis: what acts against a force along it, with all
-// other directions free.
+// Projects the joints' inertia, damping or stiffness on an axis. The result acts against a force along the
+// axis while all other directions are free.
 double Along(const Eigen::Matrix<double, 7, 7>& joint_matrix, const Joints& along) {
   return 1.0 / along.dot(joint_matrix.partialPivLu().solve(along));
 }
 
-// The reported values, which follow from the parameters.
+// Indices of the reported values, which are computed from the parameters.
 enum Reported : Eigen::Index {
   kMassRatio,
   kSpring,
@@ -156,7 +158,7 @@ enum Reported : Eigen::Index {
   kReported
 };
 
-// Computes the reported values; those along the axis are without friction.
+// Computes the reported values. Those along the axis leave out friction.
 Eigen::VectorXd ReportedValues(const FittedArm& fitted, const Eigen::VectorXd& p) {
   const ImpedanceArm arm = fitted.At(p, false);
   const Joints along = fitted.Along(arm);
@@ -192,8 +194,9 @@ Eigen::VectorXd HalfWidths(const FittedArm& fitted, const Eigen::VectorXd& p,
   return kHalfWidthSd * (gradient * covariance * gradient.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-// Fits some of the parameters; all others keep their start values. The lines alone do not determine each of a
-// mount's parameters, so these are kept near their start values, within a factor of about kMountFactor.
+// Fits some of the parameters; all others keep their start values. The lines alone do not determine all
+// parameters of a mount. So a mount's parameters are kept near their start values, within a factor of about
+// kMountFactor.
 LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel& model,
                         const Eigen::VectorXd& start, const std::vector<Eigen::Index>& fixed) {
   std::vector<Eigen::Index> fitted;
@@ -206,13 +209,13 @@ LeastSquaresFit FitSome(std::span<const ResponseLine> lines, const ResponseModel
     FillResiduals(lines, model, parameters, r);
     for (Eigen::Index i = kRigid; i < start.size(); ++i)
       r[line_rows + i - kRigid] = (parameters[i] - start[i]) / std::log(kMountFactor);
-    if (!r.allFinite()) r.setConstant(kFarOff);  // too long a step: the solver takes a shorter one
+    if (!r.allFinite()) r.setConstant(kFarOff);  // the step was too long: the solver then takes a shorter one
   };
   const LeastSquares problem{.parameters = static_cast<int>(fitted.size()),
                              .residuals = static_cast<int>(line_rows + start.size() - kRigid),
                              .evaluate = residuals};
   LeastSquaresFit fit = Solve(problem, start(fitted));
-  // In a narrow valley the solver stops early; restarted from there, it continues.
+  // The solver may stop early in a narrow valley. Restart it from there until it makes no more progress.
   for (int again = 0; again < kMaxAgain && fit.converged; ++again) {
     const LeastSquaresFit next = Solve(problem, fit.parameters);
     const bool went_on = next.converged && next.cost < kWentOn * fit.cost;
@@ -233,7 +236,8 @@ void KeepBetter(const LeastSquaresFit& fit, LeastSquaresFit& best, double by = 1
   if (fit.converged && (!best.converged || by * fit.cost < best.cost)) best = fit;
 }
 
-// Start values of an arm on the floor: the arm of its file, its spring multiplied by `spring`.
+// Start values of an arm on a rigid base: the parameters of the arm's file, with its spring multiplied by
+// `spring`.
 Eigen::VectorXd RigidStart(const OverlaidArm& overlaid, double spring, double dead_time_s) {
   const hil::DynamicArmParams& arm = overlaid.arm.arm;
   const bool torque = overlaid.arm.torque;
@@ -249,7 +253,8 @@ Eigen::VectorXd RigidStart(const OverlaidArm& overlaid, double spring, double de
   return start;
 }
 
-// The same on a mount: the mount of the file, or an assumed one, its springs multiplied by `spring`.
+// Start values of an arm on a mount: the mount of the arm's file, or an assumed one, with its springs
+// multiplied by `spring`.
 Eigen::VectorXd MountedStart(const OverlaidArm& overlaid, const Eigen::VectorXd& rigid, double spring) {
   const hil::FlexibleMountParams assumed = overlaid.arm.arm.mount.value_or(hil::FlexibleMountParams{});
   Eigen::VectorXd start(static_cast<Eigen::Index>(kMounted));
@@ -259,12 +264,13 @@ Eigen::VectorXd MountedStart(const OverlaidArm& overlaid, const Eigen::VectorXd&
   return start;
 }
 
-// Fits the arm on the floor, starting from its file's springs, half of them and twice of them; then the arm
-// on a mount, which is kept if it lowers the cost threefold.
+// Fits the arm on a rigid base, starting from the springs of the arm's file, half of them and twice of them.
+// If chi² is above kMaxRigidChi2, also fits the arm on a mount, which is kept if it lowers the cost
+// threefold.
 LeastSquaresFit BestFit(std::span<const ResponseLine> lines, const OverlaidArm& overlaid,
                         const ResponseModel& model, double dead_time_s) {
   std::vector<Eigen::Index> fixed;
-  if (overlaid.arm.torque) fixed.push_back(kLogTurnSpring);  // joint impedance has none
+  if (overlaid.arm.torque) fixed.push_back(kLogTurnSpring);  // joint impedance has no rotational spring
   if (!overlaid.has_friction) fixed.push_back(kFrictionRatio);
   const Eigen::VectorXd as_filed = RigidStart(overlaid, 1.0, dead_time_s);
   LeastSquaresFit best, mounted;

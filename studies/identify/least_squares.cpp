@@ -7,7 +7,7 @@
 namespace osteon::studies {
 namespace {
 
-// The problem in the form that Eigen's solver takes; values that are not finite end the solution.
+// The problem in the form that Eigen's solver takes. Values that are not finite end the solver's run.
 struct Functor {
   using Scalar = double;
   enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };

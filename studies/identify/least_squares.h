@@ -8,7 +8,7 @@ namespace osteon::studies {
 
 /// A problem of nonlinear least squares.
 struct LeastSquares {
-  int parameters{0}, residuals{0};  ///< their numbers
+  int parameters{0}, residuals{0};  ///< number of parameters; number of residuals
   /// Computes the residuals r of the parameters p.
   std::function<void(const Eigen::VectorXd& p, Eigen::VectorXd& r)> evaluate;
 };
@@ -17,8 +17,9 @@ struct LeastSquares {
 struct LeastSquaresFit {
   bool converged{false};
   Eigen::VectorXd parameters{};
-  double cost{0.0};              ///< sum of squared residuals
-  Eigen::MatrixXd covariance{};  ///< (J^T J)^-1: of the parameters if the residuals have variance 1
+  double cost{0.0};  ///< sum of squared residuals
+  /// (J^T J)^-1: the covariance of the parameters if the residuals have variance 1.
+  Eigen::MatrixXd covariance{};
 };
 
 /// Levenberg-Marquardt (Eigen's, after MINPACK) with a numerical Jacobian.

@@ -20,10 +20,12 @@ using control::Multisine;
 using Complex = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kMinDraws = 2, kMinPeriods = 2;  // of a response; counted ones of each draw
-constexpr double kMinSeen = 0.5;               // share of a period's samples
-constexpr double kMinSd = 1e-9;                // for a response of 1: smaller deviations are rounding
-constexpr int kMaxDetection = 80;              // number of the harmonic at 20 Hz
+// Least number of draws; least number of counted periods of each draw.
+constexpr int kMinDraws = 2, kMinPeriods = 2;
+constexpr double kMinSeen = 0.5;  // least share of a period's samples that must be seen
+// Least standard deviation relative to a response of 1: smaller ones are rounding.
+constexpr double kMinSd = 1e-9;
+constexpr int kMaxDetection = 80;  // number of the harmonic at 20 Hz
 
 // The signal's value in a sample [m or N].
 double ValueOf(const ExcitedSample& sample, Signal signal) {
@@ -35,8 +37,8 @@ struct Period {
   std::size_t first{0};
   int draw{0};
   Eigen::VectorXcd input{}, output{};  // at the excited lines
-  double mean{0.0};                    // of the output
-  double odd{0.0}, even{0.0};          // levels at the empty lines
+  double mean{0.0};                    // mean of the output
+  double odd{0.0}, even{0.0};          // levels of the output at the empty lines
 };
 
 // Finds the complete counted periods: `ticks` samples in a row of one draw and period.
@@ -71,7 +73,8 @@ Eigen::MatrixXd Basis(std::size_t ticks, double period_s, std::span<const int> h
   return basis;
 }
 
-// Complex amplitudes of fitted coefficients of Basis: a cos(w t) + b sin(w t) = Re[(a - i b) exp(i w t)].
+// Converts the fitted coefficients of Basis to complex amplitudes: a cos(w t) + b sin(w t) = Re[(a - i b)
+// exp(i w t)].
 Eigen::VectorXcd Amplitudes(const Eigen::VectorXd& fitted) {
   Eigen::VectorXcd amplitudes((fitted.size() - 1) / 2);
   for (Eigen::Index i = 0; i < amplitudes.size(); ++i)
@@ -79,8 +82,8 @@ Eigen::VectorXcd Amplitudes(const Eigen::VectorXd& fitted) {
   return amplitudes;
 }
 
-// The harmonics up to 20 Hz at which nonlinearity is measured: those without excitation, odd ones, and even
-// ones beside them.
+// Harmonics up to 20 Hz at which nonlinearity is measured: the odd harmonics that are not excited, and the
+// even harmonics next to them.
 struct Detection {
   std::vector<int> odd, even;
 };
@@ -93,7 +96,7 @@ Detection DetectionLines() {
   return lines;
 }
 
-// Level of `signal` at harmonics, relative to the amplitudes at the nearest excited lines.
+// RMS amplitude of `signal` at some harmonics, each relative to the amplitude at the nearest excited line.
 double LevelAt(const Eigen::VectorXd& signal, const Eigen::VectorXcd& excited, std::span<const int> harmonics,
                double period_s) {
   const auto lines = Multisine::Harmonics();
@@ -113,7 +116,8 @@ double LevelAt(const Eigen::VectorXd& signal, const Eigen::VectorXcd& excited, s
   return std::sqrt(squares / static_cast<double>(harmonics.size()));
 }
 
-// Slope of the output by a straight line through the means of whole periods [1/sample]; 0 with one period.
+// Slope of the output [1/sample]: that of a straight line through the means of whole periods; 0 with one
+// period.
 double DriftOf(const std::vector<Period>& periods, int draw) {
   double n = 0.0, sum_t = 0.0, sum_y = 0.0;
   for (const Period& period : periods)
@@ -144,7 +148,8 @@ class PeriodFit {
         basis_(Basis(ticks, run.period_s, harmonics_)),
         normal_(basis_.transpose() * basis_) {}
 
-  // Fills the period's amplitudes, mean and levels. @param drift  of the output, to be removed [1/sample]
+  // Fills in the period's amplitudes, mean and levels. @param drift  slope of the output that is removed
+  // [1/sample]
   void Fit(Period& period, double drift) const {
     const auto ticks = static_cast<Eigen::Index>(ticks_);
     const bool is_whole = AllSeen(period);
@@ -157,7 +162,7 @@ class PeriodFit {
       u[k] = ValueOf(sample, input_);
       y[k] = sample.seen ? ValueOf(sample, output_) - drift * t : 0.0;
       if (sample.seen) continue;
-      // without a message only the command is known: the other values do not count
+      // of a message that did not come only the command is known; set the other signals to zero
       if (input_ != Signal::kCommand) u[k] = 0.0;
       masked.row(k).setZero();
     }
@@ -196,11 +201,12 @@ class PeriodFit {
 // The result of one draw at one line.
 struct DrawLine {
   Complex H;
-  double output_variance{0.0};  // of a period's output, real or imaginary part
-  double input_power{0.0};      // sum |U|^2 over its periods
+  double output_variance{0.0};  // variance of a period's output: of its real or imaginary part
+  double input_power{0.0};      // sum of |U|^2 over the draw's periods
 };
 
-// The response of one draw at one line, by least squares over its periods: H = sum Y U* / sum |U|^2.
+// The response H of one draw at one line, by least squares over the draw's periods: H = sum Y U* / sum |U|^2,
+// with the amplitudes U of the input and Y of the output.
 DrawLine LineOf(const std::vector<const Period*>& periods, Eigen::Index line) {
   DrawLine result;
   Complex cross_power = 0.0;
@@ -228,7 +234,8 @@ std::vector<double> Smoothed(const std::vector<double>& values) {
 // The counted periods by their draw.
 using Draws = std::map<int, std::vector<const Period*>>;
 
-// Fills the response's lines: the mean over the draws, its deviations by noise and by draws, and coherences.
+// Fills in the response's lines: the mean over the draws, its deviations by noise and by the draws'
+// differences, and the coherences.
 void FillLines(const Draws& draws, MeasuredResponse& response) {
   constexpr auto kLines = static_cast<std::size_t>(Multisine::kLines);
   const auto count = static_cast<double>(draws.size());
@@ -244,7 +251,7 @@ void FillLines(const Draws& draws, MeasuredResponse& response) {
       noise[i] += draw.output_variance / count;
       power[i] += draw.input_power;
     }
-    // as a variance of the output's amplitude, which does not depend on the line's power
+    // Convert to a variance of the output's amplitude, which does not depend on the line's power.
     for (const DrawLine& draw : each)
       draw_differences[i] += std::norm(draw.H - line.value) / (2.0 * (count - 1.0)) * power[i] / count;
   }

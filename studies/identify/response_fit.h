@@ -20,7 +20,7 @@ using ResponseModel = std::function<std::complex<double>(const Eigen::VectorXd& 
 void FillResiduals(std::span<const ResponseLine> lines, const ResponseModel& model, const Eigen::VectorXd& p,
                    Eigen::VectorXd& r);
 
-/// Fits a model to measured lines; each line weighs by its standard deviation.
+/// Fits a model to measured lines. Each line is weighted by its standard deviation.
 [[nodiscard]] LeastSquaresFit FitResponse(std::span<const ResponseLine> lines, const ResponseModel& model,
                                           const Eigen::VectorXd& start);
 

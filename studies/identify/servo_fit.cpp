@@ -14,15 +14,17 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr int kParameters = 4;
 constexpr double kIntervalSd = 2.0;  // half width of a 95 % interval, in standard deviations
-// Residual that is only rounding: that of a simulated arm without noise, by the search's tolerance.
+// A smaller residual is only rounding: the fit of a simulated arm without noise ends at the search's
+// tolerance.
 constexpr double kRounding = 1e-8;
 
-// The model with the fitted parameters (log of bandwidth [Hz], log of damping ratio, dead time [s], gain).
+// The model with the fitted parameters p = (log of the bandwidth [Hz], log of the damping ratio, dead time
+// [s], gain).
 ServoModel ModelOf(const Eigen::VectorXd& p) {
   return {.bandwidth_hz = std::exp(p[0]), .damping_ratio = std::exp(p[1]), .dead_time_s = p[2], .gain = p[3]};
 }
 
-// Delay [s] by the phase at the third lowest line: the start of the fit.
+// Delay [s] by the phase at the third lowest line; start value of the fit.
 double LagOf(std::span<const ResponseLine> lines) {
   const ResponseLine& line = lines[std::min<std::size_t>(2, lines.size() - 1)];
   return -std::arg(line.value) / (kTurn * line.hz);
@@ -46,7 +48,8 @@ tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines
       .parameters = kParameters, .residuals = 2 * static_cast<int>(lines.size()), .evaluate = residuals};
   const double lag_s = LagOf(lines);
   LeastSquaresFit best;
-  // The cost has several minima: start from each of these bandwidths, with the dead time that gives the lag.
+  // The cost has several minima: start from each of these bandwidths, with the dead time that gives the
+  // measured lag.
   for (const double hz : {6.0, 12.0, 25.0, 50.0}) {
     const double dead_s = lag_s - 2.0 / (kTurn * hz);
     const LeastSquaresFit fit = Solve(problem, Eigen::Vector4d(std::log(hz), 0.0, dead_s, 1.0));
@@ -63,7 +66,7 @@ tl::expected<ServoFit, std::string> FitServo(std::span<const ResponseLine> lines
   fit.chi2 = best.cost / degrees_of_freedom;
   if (fit.residual <= kRounding) fit.chi2 = std::min(fit.chi2, 1.0);
   const Eigen::MatrixXd covariance = std::max(1.0, fit.chi2) * best.covariance;
-  // half width of a value's interval, from its gradient by the parameters
+  // half width of a value's interval, from the value's gradient by the parameters
   const auto width = [&](const Eigen::Vector4d& gradient) {
     return kIntervalSd * std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
   };

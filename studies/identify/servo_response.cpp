@@ -19,7 +19,7 @@ double ServoModel::lag_s() const { return dead_time_s + 2.0 * damping_ratio / (k
 
 std::complex<double> SampledResponse(const ServoModel& model, double period_s, double hz) {
   const double w = kTurn * model.bandwidth_hz, z = model.damping_ratio;
-  // the header's n and r; then the factors of u[k-n-1] and u[k-n]
+  // n and r of SampledResponse; then the factors of u[k-n-1] and u[k-n]
   const double periods = std::floor(model.dead_time_s / period_s);
   const double rest_s = model.dead_time_s - periods * period_s;
   const Eigen::Matrix2d unit = Eigen::Matrix2d::Identity();

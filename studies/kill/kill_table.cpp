@@ -15,13 +15,15 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kPush_N = 150.0, kLimit_N = 200.0;  // the hand's push; the limit of hand and rendered force
+// Push of the hand; limit of the hand's force and of the rendered force.
+constexpr double kPush_N = 150.0, kLimit_N = 200.0;
 
 // Figures of one victim's trials.
 struct Row {
-  int times{0}, rested{0};      // number of trials; number that ended at rest
-  KillResult worst;             // only hand_N, coupling_N and distance_m are set
-  std::vector<double> rest_ms;  // sorted
+  int times{0}, rested{0};  // number of trials, and number of those that ended at rest
+  // largest values over the trials; only hand_N, coupling_N and distance_m are set
+  KillResult worst;
+  std::vector<double> rest_ms;  // times from the kill to rest, sorted
 };
 
 Row RowOf(KillVictim victim, std::span<const KillRun> runs) {
@@ -140,7 +142,7 @@ int RunKillTable(const KillTableOptions& options) {
       } catch (const std::exception& error) {
         run.error = error.what();
       }
-      if (!base::Interrupted()) runs.push_back(std::move(run));  // an incomplete trial does not count
+      if (!base::Interrupted()) runs.push_back(std::move(run));  // leave an incomplete trial out
     }
   }
   progress.Done();

@@ -15,14 +15,14 @@ struct KillTableOptions {
   int times{20};                      ///< number of trials for each victim
   std::vector<KillVictim> victims{};  ///< empty: all
   std::filesystem::path json{};       ///< empty: none
-  std::string engine{"auto"};         ///< one that `osteon run` accepts
-  std::string device{};               ///< part of a Vulkan device's name
+  std::string engine{"auto"};         ///< an engine that `osteon run` accepts
+  std::string device{};               ///< part of a Vulkan device's name; empty: the default device
 };
 
-/// One trial: its result, or why there is none.
+/// One trial: its result, or the reason why there is none.
 struct KillRun {
   KillResult result;
-  std::string error{};  ///< why there was no trial; empty if there was one
+  std::string error{};  ///< why there was no trial; empty: there was one
   [[nodiscard]] bool passed() const { return error.empty() && result.passed(); }
 };
 
@@ -31,7 +31,7 @@ struct KillRun {
 /// the file could not be written; 130 ended by Ctrl-C, with the finished trials written.
 [[nodiscard]] int RunKillTable(const KillTableOptions& options);
 
-/// The printed table: a row per victim, and below it what is wrong.
+/// The printed table: a row per victim, and below the table what is wrong.
 [[nodiscard]] std::string KillTableText(std::span<const KillRun> runs);
 
 /// JSON object, schema osteon.failures/1, without scenarios and with each trial in `kills`.

@@ -23,30 +23,31 @@ namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds;
 
-constexpr int kAttempts = 3;  // of a trial
+constexpr int kAttempts = 3;  // maximum number of attempts of a trial
 constexpr milliseconds kPollInterval{5};
 // Longest waits for full contact, for rest, and for the end of a process that writes report and pages. They
 // are generous, so that a busy machine does not decide the outcome.
 constexpr seconds kContact{120}, kRest{10}, kEnd{90};
 // Full contact: for kFullFor, the hand exerts at least this share of its push, and the tool is slower than
-// this.
+// this speed.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
-constexpr double kRest_m_per_s = 0.002;  // speed of a commanded tool at rest
-// Time for which the rest is watched; within it the PLC misses the heartbeats (0.25 s).
+constexpr double kRest_m_per_s = 0.002;  // greatest speed of a commanded tool that counts as at rest
+// Time for which the arm must stay at rest. Within this time the PLC notices missing heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
-constexpr milliseconds kEngineHalt{300};  // halt of a late engine: its model is then beyond every age limit
+// Halt of a late engine: long enough that its contact model exceeds every age limit.
+constexpr milliseconds kEngineHalt{300};
 
 // Magnitude of a velocity [m/s].
 double MetresPerSecond(const PlainVector3& v) { return Vector3(v).norm(); }
 
-// The victim is the engine's process.
+// Whether the victim is the engine's process.
 bool IsEngine(KillVictim victim) {
   return victim == KillVictim::kEngine || victim == KillVictim::kEngineHung ||
          victim == KillVictim::kEngineLate;
 }
 
-// The fault that the victim's death must cause; empty: any watchdog may act first.
+// The fault that must be latched when the victim dies; empty: any watchdog may act first.
 std::string OwnFault(KillVictim victim) {
   if (victim == KillVictim::kSimulation || IsEngine(victim))
     return safety::Describe(safety::Fault::kModelStale).name;
@@ -57,7 +58,7 @@ std::string OwnFault(KillVictim victim) {
 // Name of the thread that is halted for this victim.
 const char* ThreadOf(KillVictim victim) { return victim == KillVictim::kLoop ? "servo" : NameOf(victim); }
 
-// The three processes, each in a folder of its own.
+// One trial: the processes of cell, guard and controller, each in a folder of its own.
 class Trial {
  public:
   Trial(KillVictim victim, const KillTrialParams& params)
@@ -65,7 +66,7 @@ class Trial {
     parts_.UseCell(IsEngine(victim) ? EngineCell(params.cell) : params.cell);
   }
 
-  /// Starts all processes and waits for full contact. False if it was not reached.
+  /// Starts all processes and waits for full contact. Returns false if full contact was not reached.
   bool ReachFullContact() {
     cell_ = parts_.Start("cell", {"--trace", "trace.csv", "--json", "cell.json", "--console", "off"});
     if (!parts_.AwaitReady("cell", *cell_)) return false;
@@ -79,7 +80,7 @@ class Trial {
            IsInFullContact() && !run_->Ended();
   }
 
-  /// Kills the victim. @returns an empty string, or why it could not.
+  /// Kills the victim. @returns why it could not be killed; empty: it was killed
   std::string Kill(KillVictim victim) {
     switch (victim) {
       case KillVictim::kController:
@@ -119,9 +120,9 @@ class Trial {
   KillResult Watch(KillVictim victim) {
     const bool arm_lives = victim != KillVictim::kCell;
     if (arm_lives) static_cast<void>(Until(kRest, [&] { return RestsFor() > kRestFor; }));
-    cell_->Send(SIGTERM);  // first, so that actions of a released thread do not count
+    cell_->Send(SIGTERM);  // end the cell first: what a released thread does then has no effect on it
     cell_->End(kEnd);
-    halted_.reset();  // so that the process can end
+    halted_.reset();  // release the halted thread, so that its process can end
     if (victim == KillVictim::kEngineHung) kill(engine_, SIGCONT);
     KillResult result{.victim = victim};
     if (victim == KillVictim::kController)
@@ -138,7 +139,7 @@ class Trial {
     return result;
   }
 
-  /// The last line of a process that has ended by itself; empty if none has.
+  /// The last line of the errors of a process that has ended by itself; empty if none has.
   [[nodiscard]] std::string FindComplaint() const {
     for (const auto& [name, process] :
          {std::pair{"cell", cell_.get()}, {"guard", guard_.get()}, {"run", run_.get()}}) {
@@ -148,7 +149,7 @@ class Trial {
   }
 
  private:
-  // Waits for the condition. False after the time limit, or if the trial is to stop.
+  // Waits for the condition. Returns false after the time limit, or if the trial is to stop.
   bool Until(milliseconds limit, const std::function<bool()>& condition) {
     const auto give_up = std::chrono::steady_clock::now() + limit;
     while (!condition()) {
@@ -158,7 +159,7 @@ class Trial {
     return true;
   }
 
-  // The arm has been in full contact for kFullFor, by the newest cycles of the trace.
+  // Whether the arm has been in full contact for kFullFor, by the newest cycles of the trace.
   bool IsInFullContact() {
     trace_.Poll();
     const auto& cycles = trace_.cycles();
@@ -171,13 +172,13 @@ class Trial {
     return false;
   }
 
-  // Time since the kill for which the arm has been at rest.
+  // Returns the time for which the arm has been at rest since the kill.
   rt::Nanoseconds RestsFor() {
     trace_.Poll();
     return session::RestedFor(trace_.cycles(), killed_);
   }
 
-  // Fills force of the hand, travel and rest from the simulated arm's trace.
+  // Fills in the hand's force, travel and rest from the simulated arm's trace.
   void ReadArmTrace(KillResult& result) {
     trace_.Poll();
     const session::CellCycle* at_kill = nullptr;
@@ -194,8 +195,8 @@ class Trial {
     result.at_rest = at_kill && RestsFor() > kRestFor;
   }
 
-  // Fills the rendered force from the controller's recording. @param moves  its commands count as the arm's
-  // motion: travel and rest follow from them
+  // Fills in the rendered force from the controller's recording. @param moves  true: the arm's trace has
+  // ended, so travel and rest are those of the controller's commands
   void JudgeRecording(KillResult& result, bool moves) {
     const auto recording = io::ReadRecording(parts_.Folder("run") / "run.mcap");
     if (!recording) return;
@@ -215,7 +216,7 @@ class Trial {
     }
   }
 
-  // Fills the results that controller, guard and cell report at their end.
+  // Fills in the results that controller, guard and cell report at their end.
   void CollectReports(KillResult& result) const {
     if (const nlohmann::json run = parts_.Report("run"); run.is_object())
       result.faults = run.at("faults").get<std::vector<std::string>>();
@@ -227,7 +228,7 @@ class Trial {
     }
   }
 
-  // Lists what is not as required; empty: nothing.
+  // Lists the requirements that are not met; empty: all are met.
   [[nodiscard]] std::string Wrong(const KillResult& r) const {
     std::string wrong;
     const auto add_if = [&](bool is, const std::string& what) {
@@ -238,7 +239,7 @@ class Trial {
     add_if(r.coupling_N > params_.limit_N, fmt::format("{:.1f} N were rendered", r.coupling_N));
     add_if(r.victim != KillVictim::kCell && !r.permitted, "the cell left no report");
     add_if(r.permitted.value_or(false), "the PLC permits motion still");
-    // the PLC did not notice that this heartbeat stopped
+    // Whether the PLC did not notice that this heartbeat stopped.
     const auto unnoticed = [&r](const char* whose) {
       return r.blocks.find(std::string(whose) + "'s heartbeat lost") == std::string::npos;
     };
@@ -258,7 +259,8 @@ class Trial {
   CellProcesses parts_;
   session::CellTraceReader trace_;
   std::unique_ptr<base::ChildProcess> cell_, guard_, run_;
-  std::unique_ptr<base::HaltedThread> halted_;  // destroyed before its process
+  // declared after its process, so that it is destroyed before the process
+  std::unique_ptr<base::HaltedThread> halted_;
   pid_t engine_{0};
   rt::Nanoseconds killed_{0};
 };
@@ -321,8 +323,8 @@ const char* Describe(KillVictim victim) {
 void WriteKillCell(const std::filesystem::path& source, double push_N, double limit_N,
                    const std::filesystem::path& folder) {
   const std::filesystem::path shipped = source.parent_path() / "../scenes/thin_plate.yaml";
-  // 5 mm of cortical bone: at 150 N the drill needs some four seconds to go through. Wide enough for the
-  // drill alone: a smaller plate is packed sooner.
+  // 5 mm of cortical bone: with 150 N the drill needs about four seconds to go through. The plate is only as
+  // wide as the drill needs, since a smaller plate is packed sooner.
   config::WriteDerived(shipped,
                        {{"shape.height_mm", "5"}, {"shape.width_mm", "16"}, {"shape.depth_mm", "16"}},
                        folder / "plate.yaml");
@@ -332,7 +334,8 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
                         {"plc.guard", "true"},
                         {"guard", "{port: 30209}"},
                         {"limits.max_force_N", number(limit_N)},
-                        {"limits.max_stored_J", "0.3"},  // so that the spring can hold the limit
+                        // enough that the coupling's spring can hold the force limit
+                        {"limits.max_stored_J", "0.3"},
                         {"operator.max_force_N", number(2.0 * push_N)},
                         {"script.push_force_N", number(push_N)},
                         {"script.full_force_depth_mm", "15"},

@@ -46,8 +46,8 @@ std::string WrongPlace(const PackOptions& options) {
   return session::ValidateParentFolder("--json", options.json);
 }
 
-/// Default spacing of the mass points: evenly spaced, there are some 200 000 points; below a cut zone the
-/// finest spacing is at most 0.75 mm.
+/// Default spacing of the mass points: evenly spaced, there are about 200 000 points. If the packing is finer
+/// in a cut zone, the spacing in the zone is at most 0.75 mm.
 simulation::MassPointParams PointParams(const PackOptions& options, const session::PackSource& source,
                                         double volume_m3) {
   constexpr double kPoints = 200'000.0, kFinest_m = 0.1e-3, kCoarsest_m = 3e-3, kMaxAtZone_m = 0.75e-3;
@@ -65,7 +65,8 @@ simulation::MassPointParams PointParams(const PackOptions& options, const sessio
   return params;
 }
 
-// Packs the solid: disjoint or overlapping balls, by the scene's own parameters unless options replace them.
+// Packs the solid with disjoint or overlapping balls. The parameters are those of the scene, unless options
+// replace them.
 std::vector<simulation::Ball> Pack(const PackOptions& options, const session::PackSource& source) {
   const double r_min_m = 1e-3 * options.r_min_mm.value_or(0.0),
                r_max_m = 1e-3 * options.r_max_mm.value_or(0.0);
@@ -202,12 +203,12 @@ int Convert(const PackOptions& options) {
   return 0;
 }
 
-/// RunPack, except that a builder's std::invalid_argument is not caught.
+/// Runs the subcommand; does not catch a builder's std::invalid_argument, as RunPack does.
 int Run(const PackOptions& options) {
   if (const std::string wrong = WrongPlace(options); !wrong.empty()) return session::Fail("pack", wrong);
   if (HasExtension(options.source.input, ".osp")) return Convert(options);
 
-  // until something is written, Ctrl-C may end the process at once
+  // As long as nothing is written, Ctrl-C may end the process at once.
   const bool report = !options.report.empty();
   base::PhaseProgress progress("osteon pack", 4 + (options.points ? 1 : 0) + (report ? 1 : 0));
   progress.BeginPhase("load");

@@ -14,7 +14,8 @@ struct PackOptions {
   session::SourceOptions source;
   std::vector<std::filesystem::path> outputs;  ///< .osp, .ply, .csv
   bool disjoint{false};                        ///< no two balls overlap
-  std::optional<std::size_t> count{};  ///< of balls; none: by the scene or the defaults, as those below
+  /// Number of balls; none: by the scene or the defaults, as for the options below.
+  std::optional<std::size_t> count{};
   std::optional<double> r_min_mm{}, r_max_mm{}, grade{};
   std::uint64_t seed{0};
   int threads{0};     ///< 0: one per core
@@ -23,13 +24,15 @@ struct PackOptions {
   std::filesystem::path report{};  ///< folder; empty: none
   std::filesystem::path json{};
   std::string command_line{};
-  std::vector<std::string> packing_options{};  ///< given options that do not apply to a packing file
+  /// Given options that do not apply if a packing file is converted.
+  std::vector<std::string> packing_options{};
 };
 
-/// Fills a mesh or shape with balls and mass points and saves them, or saves a packing file in other formats.
-/// Prints figures of its quality.
+/// Fills a mesh or shape with balls and mass points and saves them, or converts a packing file to other
+/// formats. Prints figures of the packing's quality.
 /// @returns the process's exit code: 0 done; 1 a tolerance was not kept, or a result could not be written; 2
-/// wrong input, nothing was written (both said on stderr); 130 ended by Ctrl-C, all present files complete.
+/// wrong input, nothing was written (1 and 2 with the reason on stderr); 130 ended by Ctrl-C, all files that
+/// exist are complete.
 [[nodiscard]] int RunPack(const PackOptions& options);
 
 }  // namespace osteon::studies

@@ -75,9 +75,10 @@ tl::expected<std::string, std::string> Pictures(const PackReportInput& input) {
          "<p class=\"sub\">" + tints + "</p>\n";
 }
 
-/// The outline of the spheres' union in the plane, with the solid's materials below it.
+/// The outline of the spheres' union in the middle plane, on a picture of the solid's materials.
 std::string SectionFigure(const PackReportInput& input) {
-  // The section follows a cut site: use a site in the middle, as wide as the bone.
+  // ComputeSection draws the surroundings of the cut site: set a site in the bone's middle that is as wide as
+  // the bone.
   Bone bone = input.bone;
   const CutAway plane = MiddlePlane(bone);
   const Eigen::AlignedBox3d box = input.solid.Bounds();
@@ -95,7 +96,7 @@ std::string SectionFigure(const PackReportInput& input) {
                                                "Union of the spheres in a plane through the middle.");
 }
 
-/// Histogram of the radii, and the distribution of the gaps between the surface and the spheres.
+/// Histogram of the radii, and the distribution of the gaps from the solid's surface to the spheres.
 std::string Histograms(const PackReportInput& input) {
   std::vector<double> radii_mm;
   radii_mm.reserve(input.bone.balls.size());
@@ -127,7 +128,7 @@ std::string Histograms(const PackReportInput& input) {
          "</div>\n";
 }
 
-/// Shows whether the mass points are blue noise.
+/// Plot that shows whether the mass points are distributed as blue noise.
 std::string Spectrum(const PackReportInput& input) {
   const auto& points = input.bone.points;
   if (points.empty()) return {};
@@ -159,7 +160,7 @@ std::string Spectrum(const PackReportInput& input) {
                          points.size(), windows.size()));
 }
 
-/// Table of mass and inertia: of the points, and compared with the solid's where both are known.
+/// Table of mass and inertia of the mass points, compared with the solid's if both are known.
 std::string Mass(const PackReportInput& input) {
   if (input.bone.points.empty()) return {};
   std::string out = "<h2>Mass</h2>\n<table>\n<tr><th></th><th class=\"n\">points, their materials</th>";

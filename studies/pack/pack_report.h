@@ -16,7 +16,7 @@
 
 namespace osteon::studies {
 
-/// The contents of a packing's report. Views must outlive the call.
+/// The contents of a packing's report. Its views must stay valid during the call.
 struct PackReportInput {
   std::string verdict{};  ///< in a few words
   bool good{true};        ///< whether the verdict is good
@@ -26,9 +26,10 @@ struct PackReportInput {
   const simulation::Solid& solid;
   const simulation::CutZone& zone;
   simulation::MassPointParams point_params{};
-  simulation::MassProperties mass{};                        ///< of the points
-  std::optional<simulation::MassProperties> even_points{};  ///< of the points, all at 1000 kg/m³
-  std::optional<simulation::MassProperties> even_solid{};   ///< of the solid at 1000 kg/m³, in closed form
+  simulation::MassProperties mass{};  ///< of the mass points
+  /// Of the mass points, if every material had 1000 kg/m³.
+  std::optional<simulation::MassProperties> even_points{};
+  std::optional<simulation::MassProperties> even_solid{};  ///< of the solid with 1000 kg/m³, in closed form
   simulation::PackingProvenance provenance{};
   std::vector<report::SummaryRow> times{};
   std::string command_line{};

@@ -18,7 +18,7 @@ using simulation::MassProperties;
 using simulation::Material;
 using simulation::PackingQuality;
 
-/// A quality figure in JSON and in a packing file's provenance.
+/// The key of a quality figure in JSON and in a packing file's provenance.
 struct QualityKey {
   const char* key;
   double PackingQuality::*value;

@@ -18,26 +18,28 @@ namespace osteon::studies {
 /// The result of `osteon pack` with its quality, as terminal, JSON and report show it.
 struct PackResult {
   simulation::Bone bone{};
-  std::string mode{};     ///< "overlap" or "disjoint"; for a packing file: as stored there
-  bool converted{false};  ///< read from a packing file: nothing was packed, and some figures are unknown
+  std::string mode{};  ///< "overlap" or "disjoint"; for a packing file: as stored there
+  /// True: the packing was read from a file, so nothing was packed and some figures are unknown.
+  bool converted{false};
   simulation::PackingQuality quality{};
   simulation::PackingProvenance provenance{};
-  std::size_t triangles{0};  ///< of the mesh; 0: the source is a shape
+  std::size_t triangles{0};  ///< number of the mesh's triangles; 0: the source is a shape
   std::uint64_t seed{0};
   int threads{0};
   std::string zone{};  ///< description of the cut zone
   simulation::MassPointParams point_params{};
-  simulation::MassProperties mass{};  ///< of the mass points, with their materials
-  /// The same points with every material at 1000 kg/m³.
+  simulation::MassProperties mass{};  ///< mass properties of the mass points, with their materials
+  /// Mass properties of the same points if every material had 1000 kg/m³.
   std::optional<simulation::MassProperties> even_points{};
-  std::optional<simulation::MassProperties> even_solid{};  ///< of the solid at 1000 kg/m³, in closed form
-  double seconds{0.0};                                     ///< time of the packing itself
+  /// Mass properties of the solid with 1000 kg/m³, in closed form.
+  std::optional<simulation::MassProperties> even_solid{};
+  double seconds{0.0};  ///< time of the packing itself
   std::vector<base::PhaseProgress::Phase> phases{};
   std::vector<std::filesystem::path> outputs{};
 };
 
-/// Tolerances of a packing: how far a ball may reach out of the solid, and, in a disjoint packing, into
-/// another ball.
+/// Tolerances of a packing: the largest distance by which a ball may reach out of the solid, or, in a
+/// disjoint packing, into another ball.
 inline constexpr double kMaxProtrusion_m = 0.05e-3, kMaxDisjointOverlap_m = 1e-6;
 [[nodiscard]] bool KeepsTolerances(const PackResult& result);
 

@@ -18,7 +18,7 @@ constexpr int kFine = 2;  ///< samples per pixel in each direction
 struct Hit {
   double depth_m{std::numeric_limits<double>::infinity()};
   std::size_t ball{0};
-  bool in_plane{false};  ///< on the cutting plane, inside the ball
+  bool in_plane{false};  ///< the surface is the cut face of the ball, in the cutting plane
 };
 
 /// A colour value 0 … 1 as a byte.
@@ -26,11 +26,12 @@ std::uint8_t ToByte(double value) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
 }
 
-/// Finds the first ball that each pixel's ray meets, after the half-space in front of the plane is cut away.
+/// Finds the first ball that each pixel's ray meets, after the half-space in front of the cutting plane is
+/// removed.
 ///
-/// Nothing lies in front of the plane, so a tile whose pixels all show the plane is done. Balls that cross
-/// the plane come first, the larger before the smaller, then the rest from front to back. A ball is skipped
-/// in a tile if it lies behind everything that the tile shows.
+/// Balls that cross the plane are drawn first, the larger before the smaller, then all others from front to
+/// back. As nothing lies in front of the plane, a tile is complete when all its pixels show the plane. A ball
+/// is skipped in a tile if it lies behind everything that the tile shows.
 class Tracer {
  public:
   Tracer(std::span<const Ball> balls, const report::Camera& camera, const std::optional<CutAway>& cut)
@@ -42,7 +43,8 @@ class Tracer {
         hits_(static_cast<std::size_t>(camera.width) * camera.height) {
     struct Entry {
       bool behind;  ///< the ball lies wholly behind the plane
-      double key;   ///< of a ball behind the plane: depth of its nearest point; otherwise -radius
+      /// Sorting key: for a ball behind the plane the depth of its nearest point, otherwise -radius.
+      double key;
       std::size_t ball;
       auto operator<=>(const Entry&) const = default;
     };
@@ -66,8 +68,9 @@ class Tracer {
  private:
   static constexpr int kTile = 16;  ///< pixels along a side
   struct Tile {
-    double farthest_m{std::numeric_limits<double>::infinity()};  ///< greatest depth of its hits
-    bool done{false};                                            ///< each pixel shows the plane
+    double farthest_m{std::numeric_limits<double>::infinity()};  ///< greatest depth of the tile's hits
+    /// Whether each pixel shows the cutting plane.
+    bool done{false};
   };
 
   /// Draws a ball in the tiles that its outline may touch.
@@ -76,7 +79,8 @@ class Tracer {
     const Vector3 to_center = Vector3(balls_[index].center_m) - camera_.eye;
     const double z = to_center.dot(camera_.forward);
     const Vector3 middle = camera_.Project(balls_[index].center_m);
-    const double reach = camera_.focal_px * r / (z - r) * 1.2 + 1.0;  // 1.2: seen at up to 30 degrees
+    // factor 1.2: balls are seen at up to 30 degrees from the camera's direction
+    const double reach = camera_.focal_px * r / (z - r) * 1.2 + 1.0;
     const int i0 = static_cast<int>(std::max(middle.x() - reach, 0.0)) / kTile;
     const int i1 = static_cast<int>(std::min(middle.x() + reach, camera_.width - 1.0));
     const int j0 = static_cast<int>(std::max(middle.y() - reach, 0.0)) / kTile;
@@ -88,8 +92,8 @@ class Tracer {
       }
   }
 
-  /// Intersects the rays of a tile's pixels with a ball, and keeps hits that are nearer than the earlier
-  /// ones.
+  /// Intersects the rays of a tile's pixels with a ball, and stores each hit that is nearer than the pixel's
+  /// earlier hit.
   void DrawInTile(std::size_t index, const Vector3& to_center, int x0, int y0, Tile& tile) {
     const double r = balls_[index].radius_m, c2 = to_center.squaredNorm() - r * r;
     bool changed = false;
@@ -99,7 +103,7 @@ class Tracer {
         Hit& best = hits_[static_cast<std::size_t>(y) * camera_.width + x];
         if (best.in_plane) continue;
         const Vector3 ray = camera_.Ray(x + 0.5, y + 0.5);
-        // |t ray - to_center|² = r², solved for the depth t
+        // Solve |t ray - to_center|² = r² for the depth t.
         const double d2 = ray.squaredNorm(), dc = ray.dot(to_center);
         const double discriminant = dc * dc - d2 * c2;
         if (discriminant < 0.0) continue;
@@ -107,7 +111,8 @@ class Tracer {
         const double in = (dc - root) / d2, out = (dc + root) / d2;
         double plane = -std::numeric_limits<double>::infinity();
         if (cut_) {
-          // the eye is on the side that is cut away: the ray enters the bone where it crosses the plane
+          // The eye is in the half-space that is removed, so the ray enters the bone where it crosses the
+          // plane.
           const double along = ray.dot(cut_->normal);
           if (!(along < 0.0)) continue;
           plane = (cut_->point - camera_.eye).dot(cut_->normal) / along;
@@ -154,7 +159,8 @@ CutAway MiddlePlane(const simulation::Bone& bone) {
   if (bone.site.radius_m > 0.0) {
     const Vector3 axis = bone.site.axis;
     Vector3 across = plane.normal - plane.normal.dot(axis) * axis;
-    if (across.norm() < 0.3) {  // the site's axis is along the thinnest extent: any plane that contains it
+    // the site's axis is along the thinnest extent: take any plane that contains the axis
+    if (across.norm() < 0.3) {
       const Vector3 other = Vector3::Unit((thinnest + 1) % 3);
       across = other - other.dot(axis) * axis;
     }
@@ -165,12 +171,12 @@ CutAway MiddlePlane(const simulation::Bone& bone) {
 
 report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane, int width, int height) {
   const Eigen::AlignedBox3d box = BoxOf(bone);
-  // up: the site's axis, or the longest extent
+  // Up is the direction of the site's axis, or of the longest extent.
   Eigen::Index longest = 0;
   box.sizes().maxCoeff(&longest);
   Vector3 up = bone.site.radius_m > 0.0 ? Vector3(bone.site.axis) : Vector3(Vector3::Unit(longest));
   up -= up.dot(plane.normal) * plane.normal;
-  // The longest extent of a cube may be the thinnest as well.
+  // For a cube the longest extent may be the direction of the normal as well.
   if (up.norm() < 0.1) up = plane.normal.unitOrthogonal();
   up.normalize();
   const Vector3 side = up.cross(plane.normal);
@@ -179,7 +185,7 @@ report::Camera PackingCamera(const simulation::Bone& bone, const CutAway& plane,
   report::Camera camera =
       report::LookAt(box.center() + far_m * towards, box.center(), up, 1.0, width, height);
 
-  // scale and shift so that all balls' outlines fill the picture but for a margin
+  // Scale and shift so that all balls' outlines fill the picture, except for a margin.
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Ball& ball : bone.balls) {
     const Vector3 at = camera.Project(ball.center_m);
@@ -199,7 +205,8 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
   const report::Camera fine = camera.Scaled(kFine);
   const Tracer tracer(balls, fine, cut);
   const Vector3 key_light = (-0.45 * camera.right + 0.65 * camera.up - 0.62 * camera.forward).normalized();
-  // Colour of a place p: of the ball's surface by its normal, or of its cut face, flat with a darker rim.
+  // Returns the colour at a place p. On a ball's surface it is shaded by the surface's normal. On a cut face
+  // it is flat, with a darker rim.
   const auto shade = [&](const Hit& hit, const Vector3& p, const Vector3& base) -> Vector3 {
     const Vector3 c = balls[hit.ball].center_m;
     const double r = balls[hit.ball].radius_m;
@@ -213,7 +220,7 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
     }
     const Vector3 n = (p - c).normalized();
     const double direct = std::max(0.0, n.dot(key_light)), facing = std::max(0.0, -n.dot(camera.forward));
-    // the inside of the cut bone lies in shade
+    // the inside of the cut bone is darker with its depth
     const double light = cut ? std::exp((p - cut->point).dot(cut->normal) / (3.0 * r + 1e-3)) : 1.0;
     // ambient light, light from the camera, and the key light
     return base * (0.25 + 0.35 * facing + 0.45 * direct) * (0.55 + 0.45 * light);
@@ -224,7 +231,8 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
   const auto draw_row = [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       Vector3 sum = Vector3::Zero(), base = Vector3::Ones();
-      const Hit* colored = nullptr;  // a colour may be slow to find: once for a ball's samples in a row
+      // colours may be slow to compute: compute one colour for successive samples of the same ball
+      const Hit* colored = nullptr;
       for (int s = 0; s < kFine * kFine; ++s) {
         const int u = kFine * x + s % kFine, v = kFine * y + s / kFine;
         const Hit& hit = tracer.At(u, v);
@@ -252,7 +260,7 @@ report::Image RenderPacking(std::span<const Ball> balls, const report::Camera& c
 }
 
 Vector3 Viridis(double share) {
-  // Smith, van der Walt, matplotlib 2015: colours at quarters of the range, linear between them
+  // Colours at quarters of the range, linear between them (Smith and van der Walt, matplotlib, 2015).
   static const std::array<Vector3, 5> kStops{Vector3(0.267, 0.005, 0.329), Vector3(0.230, 0.322, 0.546),
                                              Vector3(0.128, 0.567, 0.551), Vector3(0.369, 0.789, 0.383),
                                              Vector3(0.993, 0.906, 0.144)};

@@ -32,7 +32,7 @@ Radii RadiiOf(const std::vector<simulation::Ball>& balls) {
   return {.min_m = least->radius_m, .max_m = greatest->radius_m};
 }
 
-// Timed frames of one packing.
+// JSON of the timed frames of one packing.
 nlohmann::json GroupJson(const simulation::FrameGroup& group) {
   return {{"frames", group.frames},
           {"frames_interrupted", group.interrupted},
@@ -41,14 +41,14 @@ nlohmann::json GroupJson(const simulation::FrameGroup& group) {
           {"frame_us_p999", group.p999_us}};
 }
 
-// Fraction of the timed frames that other programs may interrupt before the verdict warns.
+// Fraction of the timed frames above which the verdict warns that other programs interrupted them.
 constexpr double kSomeInterrupted = 0.2;
 
 struct FrameCounts {
   std::size_t frames{0}, interrupted{0};
 };
 
-// Sums over all groups.
+// Sums over the frames of all packings.
 FrameCounts CountsOf(const std::vector<simulation::FrameGroup>& groups) {
   FrameCounts counts;
   for (const simulation::FrameGroup& group : groups) {
@@ -67,12 +67,12 @@ std::string UnmetDemandText(const session::UnmetDemand& demand) {
 
 report::SummaryRow Row(const char* name, const std::string& value) { return {.key = name, .value = value}; }
 
-// The choice as the cell's file writes it.
+// The value of the compliance option as the cell's file writes it.
 const char* ChoiceName(config::GivesWay choice) {
   return choice == config::GivesWay::kOff ? "off" : choice == config::GivesWay::kOn ? "on" : "auto";
 }
 
-// The parts of the cell that may give way, with the stiffness and the effect of each.
+// JSON of the parts of the cell that may be compliant, with the stiffness and the effect of each.
 nlohmann::json ComplianceJson(const session::PlanScene& scene) {
   nlohmann::json parts = nlohmann::json::array();
   for (const config::CompliancePart& part : scene.gives_way) {
@@ -93,11 +93,12 @@ nlohmann::json ComplianceJson(const session::PlanScene& scene) {
   return parts;
 }
 
-// Says whether a part should give way in this scene, and why.
+// Says whether a part should be compliant in this scene, and why.
 std::string ComplianceText(const config::CompliancePart& part) {
   if (!part.known) return fmt::format("rigid: no file of the cell says how the {} gives way", part.name);
   const simulation::ComplianceEffect& e = part.effect;
-  // felt: the hand notices the change of stiffness; displaced: the part gives way by more than the error
+  // felt: the hand notices the change of stiffness; displaced: the part yields by more than the packing's
+  // error
   const char* why = e.is_felt ? (e.is_displaced ? "felt, and off by more than the error" : "felt")
                               : (e.is_displaced ? "off by more than the error" : "not noticed");
   const std::string at = part.felt_at_N > 0.0 ? fmt::format(" at {:.3g} N; on {:.0f} mm² it", part.felt_at_N,
@@ -189,7 +190,7 @@ nlohmann::json PlanJson(const session::PlanScene& scene, const session::PlanRequ
                                 {"unit", demand.what == "rate" ? "Hz" : "mm"},
                                 {"asked", demand.asked},
                                 {"predicted", demand.predicted}});
-  json["unmet"] = json["given_up"];  // the older key, kept for programs that read it
+  json["unmet"] = json["given_up"];  // the key that older programs read
   if (check) {
     json["check"] = {{"error_mm", check->error_m * 1e3}, {"standard_error_mm", check->standard_error_m * 1e3},
                      {"lost_mm", check->lost_m * 1e3},   {"left_mm", check->left_m * 1e3},
@@ -202,7 +203,7 @@ nlohmann::json PlanJson(const session::PlanScene& scene, const session::PlanRequ
 
 namespace {
 
-// The plan, its predictions and, after a check, the measured figures, for terminal and page.
+// Rows for terminal and page: the plan, its predictions and, after a check, the measured figures.
 std::vector<report::SummaryRow> PlanRows(const session::PlanScene& scene, const session::FidelityPlan& plan,
                                          const std::optional<session::PlanCheck>& check) {
   const Radii radii = RadiiOf(plan.packed.balls);
@@ -284,8 +285,8 @@ std::string PlanText(const session::PlanScene& scene, const session::PlanRequest
 
 namespace {
 
-// Draws the frame time over active spheres: timed packings, the line fitted to them, and the plan's
-// prediction on that line.
+// Draws the frame time over the number of active spheres: the timed packings, the line fitted to them, and
+// the plan's prediction on that line.
 std::string FrameChart(const session::FidelityPlan& plan, const std::optional<session::PlanCheck>& check) {
   report::Series timed{.name = "other packings, timed", .width_px = 0.0, .marker = report::Marker::kCircle};
   double max_active_balls = plan.active_balls;

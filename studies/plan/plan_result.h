@@ -11,8 +11,8 @@
 
 namespace osteon::studies {
 
-/// Bad if a check measured something else than was promised. To be looked at if the requested error or rate
-/// was given up, or if threads waited for a processor in the frames from which the times are predicted.
+/// "bad" if a check measured another result than the plan predicts. "look" if the requested error or rate is
+/// not met, or if threads waited for a processor in the frames from which the times are predicted.
 [[nodiscard]] session::Verdict Judge(const session::FidelityPlan& plan,
                                      const std::optional<session::PlanCheck>& check);
 
@@ -30,13 +30,13 @@ namespace osteon::studies {
 struct PlanOptions {
   session::PlanChoice choice;
   session::PlanRequest request;
-  bool check{false};  ///< the plan is also tried and measured
+  bool check{false};  ///< true: the planned packing is also made and measured
   std::filesystem::path json;
   std::filesystem::path out{};  ///< folder for plan.html; empty: no page
   std::string command_line{};
 };
 
-/// Runs the subcommand `plan`. @returns the process's exit code: 1 if a demand is not met or a check failed
+/// Runs `osteon plan`. @returns the process's exit code: 1 if a demand is not met or a check failed
 [[nodiscard]] int RunPlan(const PlanOptions& options);
 
 }  // namespace osteon::studies

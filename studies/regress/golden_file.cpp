@@ -19,8 +19,8 @@ namespace {
 constexpr const char* kFirstLine = "osteon golden trace 1";
 constexpr std::uintmax_t kMaxFileBytes = 8u << 20u;
 constexpr std::size_t kTicksALine = 8;           // ticks whose digests are on one line
-constexpr std::uint64_t kMaxTicks = 10'000'000;  // of a trace that is accepted
-// Base64: a character for each 6 bits.
+constexpr std::uint64_t kMaxTicks = 10'000'000;  // maximum number of ticks of an accepted trace
+// The characters of base64, each for 6 bits.
 constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 // Replaces control characters by spaces, so that a user's text stays on its line.
@@ -38,7 +38,7 @@ std::string Short(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
-// A sample's values in the order of TraceQuantities, each after a space.
+// A sample's values in the order of TraceQuantities, each preceded by a space.
 std::string Values(const std::vector<double>& values) {
   std::string text;
   const auto quantities = TraceQuantities();
@@ -52,7 +52,7 @@ class Lines {
  public:
   Lines(const std::string& text, std::string name) : rest_(text), name_(std::move(name)) {}
 
-  // Goes to the next line. False at the text's end.
+  // Goes to the next line. Returns false at the text's end.
   bool Next() {
     if (rest_.empty()) return false;
     const std::size_t end = rest_.find('\n');
@@ -69,7 +69,8 @@ class Lines {
     line_.remove_prefix(std::min(end + 1, line_.size()));
     return word;
   }
-  // Removes the next word and reads it as a number; nothing if it is none, or not finite.
+  // Removes the next word from the line and reads it as a number; nothing if it is not a number, or not
+  // finite.
   template <class T>
   std::optional<T> Number(int base = 10) {
     const std::string_view word = Word();
@@ -86,11 +87,11 @@ class Lines {
     return value;
   }
 
-  // An error at this line.
+  // Returns an error at the present line.
   [[nodiscard]] tl::unexpected<std::string> Refuse(const std::string& what) const {
     return tl::make_unexpected(fmt::format("{}:{}: {}", name_, number_, what));
   }
-  // An error at this line that quotes the last word read as a number.
+  // Returns an error at the present line that quotes the word last read as a number.
   [[nodiscard]] tl::unexpected<std::string> RefuseWord(const char* key, const char* accepted) const {
     return Refuse(fmt::format("{}: found \"{}\", accepted {}", key, OneLine(std::string(last_.substr(0, 40))),
                               accepted));
@@ -103,7 +104,7 @@ class Lines {
   int number_{0};
 };
 
-// Reads a sample's values; nothing unless the rest of the line is exactly one number for each quantity.
+// Reads a sample's values; nothing unless the rest of the line has exactly one number for each quantity.
 std::optional<std::vector<double>> ReadValues(Lines& lines) {
   std::vector<double> values;
   for (std::size_t i = 0; i < TraceQuantities().size(); ++i) {
@@ -127,7 +128,7 @@ std::optional<TickDigest> ReadDigest(std::string_view word) {
   return digest;
 }
 
-// The quantities' names, each after a space.
+// The names of the quantities, each preceded by a space.
 std::string Columns() {
   std::string text;
   for (const TraceQuantity& quantity : TraceQuantities()) text += ' ' + quantity.name;
@@ -254,7 +255,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
   }
   if (!ended || !has_columns || !has_hash || !has_period || !has_digests)
     return lines.Refuse("the file ends before the trace does");
-  // extremes exist exactly if there are digests, and all digests are of ticks of the run
+  // A valid trace has extremes if and only if it has digests, and its digests belong to ticks of the run.
   if (trace.least.size() != trace.greatest.size() || trace.least.empty() == !trace.digests.empty() ||
       trace.first_tick + trace.digests.size() > trace.ticks + (trace.digests.empty() ? trace.first_tick : 0))
     return lines.Refuse("found counts that do not fit each other: least, greatest, digests, ticks");

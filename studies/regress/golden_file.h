@@ -12,8 +12,8 @@ namespace osteon::studies {
 
 /// A configuration file that a trace depends on.
 struct GoldenSource {
-  std::string path;      ///< below the configuration's root
-  std::string checksum;  ///< of its bytes: FNV-1a, 16 hexadecimal digits
+  std::string path;      ///< path relative to the configuration's root
+  std::string checksum;  ///< checksum of the file's bytes: FNV-1a, 16 hexadecimal digits
 
   bool operator==(const GoldenSource&) const = default;
 };
@@ -57,7 +57,7 @@ struct Golden {
 /// @returns an error that names the file
 [[nodiscard]] tl::expected<Golden, std::string> ReadGolden(const std::filesystem::path& file);
 
-/// Reads only the reasons, even from a golden trace of another version; none if there is no file.
+/// Reads only the reasons, even from a file of another version of the format; none if there is no file.
 [[nodiscard]] std::vector<std::string> ReadReasons(const std::filesystem::path& file);
 
 }  // namespace osteon::studies

@@ -27,7 +27,7 @@ ContactModel PlaneEngine::Step(const simulation::FrameInput& input) {
   model.frame = ++frame_;
   model.pose_stamp = input.stamp;
 
-  // the ball that is deepest in the plane, and its deepest point
+  // Find the ball that is deepest in the plane, and its deepest point.
   double gap_m = std::numeric_limits<double>::infinity();
   Vector3 p_TP = Vector3::Zero();
   const Vector3 n_T = X_WT.linear().transpose() * n_W_;

@@ -5,16 +5,17 @@
 
 namespace osteon::studies {
 
-/// A rigid plane in place of bone: its contact can be computed by hand, and it takes no time. For scenarios
-/// that test control alone.
+/// A rigid plane instead of bone, for scenarios that test only the control: its contact can be computed by
+/// hand, and it takes no time.
 ///
 /// The plane touches the tool's ball that is deepest in it, at that ball's deepest point:
 ///
 ///     gap = n·(c_W - p_W) - r      F = k max(0, -gap) n, at c_W - r n
 ///
-/// No bound on F: limits belong to the loop. The proxy is the tool, lifted by max(0, -gap) along n. The plane
-/// is reported up to the parameters' normal_enlargement, as with any engine. Nothing is cut, even if the tool
-/// rotates.
+/// with a point p_W and the unit normal n of the plane, the ball's centre c_W and radius r, and the stiffness
+/// k. F has no bound here: the loop limits it. The proxy is the tool, lifted by max(0, -gap) along n. The
+/// plane is reported while its gap is within the parameters' normal_enlargement, as with any engine. Nothing
+/// is cut, even if the tool rotates.
 class PlaneEngine final : public simulation::CuttingEngine {
  public:
   /// @param p_W  a point of the plane  @param n_W  unit, toward the tool's side

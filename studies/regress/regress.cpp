@@ -49,13 +49,13 @@ std::string WrongOptions(const RegressOptions& options) {
   return "";
 }
 
-// All bits are the same although a source file has changed since the golden trace was made: later
-// differences would be blamed on that change.
+// Whether all bits are the same although a source file has changed since the golden trace was made. Such a
+// trace should be renewed: otherwise later differences would be attributed to that change.
 bool IsOfOtherFiles(const RegressResult& result) {
   return result.identical() && !ChangedSources(result.golden->head.sources, result.run->sources).empty();
 }
 
-// Makes the run the golden trace for later runs. @returns an error; empty if the trace was written
+// Makes the run the golden trace of later runs. @returns an error; empty if the trace was written
 std::string Accept(const RegressOptions& options, RegressResult& result) {
   const auto now = std::chrono::system_clock::now();
   Golden golden{.head = {.scenario = result.scenario.name,
@@ -76,7 +76,7 @@ std::string Accept(const RegressOptions& options, RegressResult& result) {
   return "";
 }
 
-// The file in `folder` in which a scenario's recording is kept.
+// The file in `folder` under which a scenario's recording is kept.
 fs::path KeptRecording(const RegressResult& result, const fs::path& folder) {
   return folder / (result.scenario.name + ".mcap");
 }
@@ -95,7 +95,7 @@ void KeepRecording(RegressResult& result, const fs::path& folder) {
 }
 
 // Runs several scenarios at a time, each in one thread, the long ones first. @returns the results of those
-// that are computed here, in the order of the scenarios.
+// scenarios that this process computes, in the order of the scenarios.
 std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& scenarios,
                                   const RegressOptions& options, StudyItems& items) {
   std::vector<std::size_t> order;
@@ -135,7 +135,7 @@ std::vector<RegressResult> RunAll(const std::vector<config::ScenarioConfig>& sce
   return computed;
 }
 
-// Restores each scenario's result from the parts that shards have written.
+// Reads each scenario's result from the part files that shards have written.
 std::vector<RegressResult> Restore(const std::vector<config::ScenarioConfig>& scenarios,
                                    const StudyItems& items) {
   std::vector<RegressResult> results;
@@ -146,7 +146,8 @@ std::vector<RegressResult> Restore(const std::vector<config::ScenarioConfig>& sc
 }
 
 // Everything that a scenario's outcome depends on: options, and the files of scenarios, cells and golden
-// traces. Names of files count, their folders do not: two machines may have them in different places.
+// traces. A file counts by its name and content, not by its folder: two machines may have the files in
+// different places.
 std::string InputsOf(const std::vector<config::ScenarioConfig>& scenarios,
                      const config::ConfigFileTracker& tracker, const RegressOptions& options) {
   std::string text =
@@ -241,13 +242,13 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
   if (result.identical()) {
     result.run->folder.reset();
     if (!params.keep_in.empty())
-      fs::remove(KeptRecording(result, params.keep_in), error);  // the recording of an earlier run
+      fs::remove(KeptRecording(result, params.keep_in), error);  // remove the recording of an earlier run
     return result;
   }
 
   if (!params.keep_in.empty()) KeepRecording(result, params.keep_in);
 
-  // Explain possible causes: --set, changed files, another build, machine or engine.
+  // Explain possible causes: --set, changed files, another build, another machine or engine.
   std::vector<std::string>& lines = result.explained;
   const auto changed = ChangedSources(result.golden->head.sources, result.run->sources);
   for (const std::string& assignment : params.set)
@@ -267,7 +268,7 @@ RegressResult RunAndCompare(const config::ScenarioConfig& scenario, const Scenar
 
 namespace {
 
-// Sum of the scenarios' wall times, in place of the wall time of a run whose parts were computed elsewhere.
+// Sum of the scenarios' wall times. It stands for the wall time of a run whose parts were computed elsewhere.
 double SecondsOf(std::span<const RegressResult> results) {
   double seconds = 0.0;
   for (const RegressResult& result : results) seconds += result.run ? result.run->seconds_wall : 0.0;

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-// Times of a run [s].
+// JSON of the times of a run [s].
 json TimesJson(const ScenarioRun& run) {
   return {{"simulated", ExactNumber(run.seconds_simulated)},
           {"wall", ExactNumber(run.seconds_wall)},
@@ -18,7 +18,8 @@ json TimesJson(const ScenarioRun& run) {
           {"set_up", ExactNumber(run.seconds_set_up)}};
 }
 
-// A trace for the results. @param with_samples  needed only for the page, which shows traces that differ
+// JSON of a trace. @param with_samples  the samples are needed only for the page, which shows traces that
+// differ
 json TraceJson(const ScenarioTrace& trace, bool with_samples) {
   json samples = json::array();
   if (with_samples)
@@ -34,7 +35,7 @@ json TraceJson(const ScenarioTrace& trace, bool with_samples) {
           {"samples", std::move(samples)}};
 }
 
-// Restores a trace. @throws std::invalid_argument if a sample has another number of values
+// Reads a trace from JSON. @throws std::invalid_argument if a sample has a wrong number of values
 ScenarioTrace TraceFrom(const json& item) {
   ScenarioTrace trace;
   ReadAt(item, "period_s", trace.period_s);
@@ -70,7 +71,8 @@ json DifferenceJson(const TraceDifference& difference) {
           {"others", difference.others},       {"first_tick", difference.first_tick}};
 }
 
-// Restores a difference. @throws std::invalid_argument at a part or a quantity that does not exist
+// Reads a difference from JSON. @throws std::invalid_argument if it names a part or a quantity that does not
+// exist
 TraceDifference DifferenceFrom(const json& item) {
   TraceDifference difference;
   ReadAt(item, "identical", difference.identical);

@@ -14,7 +14,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kCharts = 4;  // largest number of quantities that a scenario's charts show
+constexpr std::size_t kCharts = 4;  // maximum number of quantities that a scenario's charts show
 
 std::string Hex(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
@@ -27,7 +27,7 @@ const char* OutcomeText(const RegressSummary& summary, const RegressResult& r) {
 // The lines of explanation, the most informative first.
 std::vector<std::string> Reasons(const RegressResult& r) {
   if (!r.updated) return r.error.empty() ? r.explained : std::vector{r.error};
-  // a new golden trace must show how its run ended: a run that never finished can become golden too
+  // Say how the run of a new golden trace ended: a run that never finished can become golden, too.
   std::vector<std::string> lines = r.explained;
   lines.insert(lines.begin(), fmt::format("{}its run: {}",
                                           !r.golden       ? "the first of its golden traces; "
@@ -37,7 +37,7 @@ std::vector<std::string> Reasons(const RegressResult& r) {
   return lines;
 }
 
-// Simulated time over wall time; 0 if the wall time is not known.
+// Ratio of simulated time to wall time; 0 if the wall time is not known.
 double TimesRealTime(const ScenarioRun& run) {
   return run.seconds_wall > 0.0 ? run.seconds_simulated / run.seconds_wall : 0.0;
 }
@@ -83,7 +83,7 @@ void AddPanels(const RegressResult& r, const QuantityDifference& d, std::vector<
   panels.push_back(std::move(errors));
 }
 
-// A scenario on the page: verdict, explanation, the quantities that differ, charts.
+// Makes a scenario's entry of the page: verdict, explanation, the quantities that differ, charts.
 RegressPageEntry PageEntry(const RegressSummary& summary, const RegressResult& r) {
   RegressPageEntry entry{.name = r.scenario.name,
                          .shows = r.scenario.shows,
@@ -231,7 +231,7 @@ tl::expected<std::filesystem::path, std::string> WriteRegressReport(const Regres
   const std::filesystem::path file = summary.options.out / "regress.html";
   std::error_code error;
   if (page.entries.empty()) {
-    std::filesystem::remove(file, error);  // an earlier run's page would be out of date
+    std::filesystem::remove(file, error);  // remove the page of an earlier run, which would be out of date
     return std::filesystem::path();
   }
   std::filesystem::create_directories(summary.options.out, error);

@@ -35,14 +35,14 @@ double Cpu_s() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Overrides keys of the cell: by the scenario's file first, then by --set.
+// Overrides values of the cell's file: first by the scenario's file, then by --set.
 void ApplyOverrides(const config::ScenarioConfig& scenario, const ScenarioRunParams& params,
                     config::Overlay& overlay) {
   overlay.SetFromFile(scenario.file, config::kOverridesKey);
   for (const std::string& assignment : params.set) overlay.Set(assignment, "--set");
 }
 
-// Gives the loop the guidance of the scenario's plan, for the reamer that the cell has.
+// Gives the loop the guidance of the scenario's plan, for the reamer of the cell.
 void SetGuidance(const config::ScenarioConfig& scenario, session::CellSetup& setup) {
   const config::SurgicalPlanConfig plan = config::LoadSurgicalPlan(scenario.plan);
   auto guidance = session::GuidanceOf(plan.plan, setup.config.tool.tool, setup.X_WG);
@@ -58,7 +58,8 @@ tl::expected<session::CellSetup, std::string> SetUp(const config::ScenarioConfig
   auto setup = session::PrepareCell(scenario.cell, std::nullopt);
   overlay.Finish();
   if (!setup) return setup;
-  // Uses only the closed forms, whose results are the same on every machine.
+  // Plan the packing by the closed forms alone, without measured frame times: the result is the same on every
+  // machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = !scenario.planned, .error_m = {}, .rate_hz = {}}, {}, false);
       !packed)
@@ -76,7 +77,7 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> EngineOf(
       return std::make_unique<PlaneEngine>(setup.config.tool.tool, X_WC.translation(), X_WC.linear().col(2),
                                            setup.config.cutting);
     case config::ScenarioEngine::kReference:
-      // the "cpu" engine gives the reference engine's bits in a fraction of its time
+      // The "cpu" engine gives the same bits as the reference engine in a fraction of its time.
       return session::MakeEngine(setup, {.engine = "cpu"});
     case config::ScenarioEngine::kVulkan:
       return session::MakeEngine(setup, {.engine = "vulkan", .device = device});
@@ -104,7 +105,8 @@ std::vector<GoldenSource> SourcesOf(const config::ScenarioConfig& scenario, cons
   return sources;
 }
 
-// Requests the scenario's pause and resumption, at their ticks since rendering began.
+// Requests the scenario's pause and its end, at the ticks that the scenario states, counted from the begin of
+// rendering.
 class Pauses {
  public:
   Pauses(const config::ScenarioConfig& scenario, double period_s)
@@ -119,7 +121,7 @@ class Pauses {
   [[nodiscard]] base::OperatorRequests* signals() { return &signals_; }
 
  private:
-  // -1, which no tick has, without a time.
+  // Returns the tick of a time; -1, which is no tick, if there is no time.
   static std::int64_t TickOf(const std::optional<double>& time_s, double period_s) {
     return time_s ? std::llround(*time_s / period_s) : -1;
   }

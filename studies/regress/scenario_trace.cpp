@@ -25,7 +25,7 @@ void Add(base::Fnv1a& hash, T value) {
     hash.AddWord(static_cast<std::uint64_t>(value));
 }
 
-// Mixes so that each input bit affects each output bit (the end of MurmurHash3).
+// Mixes the bits so that each input bit affects each output bit (the last step of MurmurHash3).
 std::uint64_t Mixed(std::uint64_t h) {
   h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
   h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
@@ -36,8 +36,8 @@ struct PartOfField {
   const char* begins;
   TracePart part;
 };
-// Assigns fields to parts by the beginning of a field's name; the first match counts. A field without a match
-// is a defect of the program.
+// Assigns a field to a part by the beginning of the field's name; the first row that matches is used. A field
+// without a match is a programming error.
 constexpr PartOfField kOutputs[] = {
     {"tick", TracePart::kArm},
     {"stamp", TracePart::kArm},
@@ -89,8 +89,8 @@ TracePart PartOf(const char* name, std::span<const PartOfField> table) {
   throw std::logic_error(std::string("a tick's field in no part of a trace: ") + name);
 }
 
-// Fields of a part that few cells have. They are hashed only where they are not zero, so that the golden
-// traces of the other cells do not depend on them.
+// Fields that only few cells use. They are hashed only if they are not zero, so that the golden traces of the
+// other cells do not depend on them.
 constexpr std::array kOptional{"guidance", "compliance", "tool_index"};
 
 struct FieldPart {
@@ -98,7 +98,7 @@ struct FieldPart {
   bool is_optional;
 };
 
-// The part of each field of a tick, in the order of the visit.
+// The part of each field of a tick, in the order in which VisitOutputs and VisitInputs visit the fields.
 const std::vector<FieldPart>& FieldParts() {
   static const std::vector<FieldPart> parts = [] {
     std::vector<FieldPart> all;
@@ -146,7 +146,7 @@ void VisitQuantities(const control::TickRecord& r, const simulation::ContactMode
   vector("tool", r.X_WT_cmd.p, kPosition, kMillimetres);
   vector("tool_measured", r.X_WT_meas.p, kPosition, kMillimetres);
   const std::array<double, 9>& R = r.X_WT_meas.R;
-  // the third column of R: the tool's z axis
+  // the third column of R: the direction of the tool's z axis
   vector("tool_axis", PlainVector3(Vector3(R[2], R[5], R[8])), kShare);
   vector("hand", r.F_operator_T_W.f, kForce);
   vector("hand", r.F_operator_T_W.t, kTorque);
@@ -242,7 +242,7 @@ void TraceRecorder::Sample(const control::TickRecord& record, const simulation::
 }
 
 void TraceRecorder::Tick(const control::TickRecord& record, const simulation::ContactModel& model) {
-  // hash every bit, by part
+  // Hash every bit of each part.
   std::array<base::Fnv1a, kTraceParts> parts{};
   const std::vector<FieldPart>& of_field = FieldParts();
   std::size_t at = 0;
@@ -271,7 +271,7 @@ void TraceRecorder::Tick(const control::TickRecord& record, const simulation::Co
 }
 
 void TraceRecorder::SceneEvent(std::int64_t stamp, const std::string& name) {
-  // the first tick is at one period
+  // The first tick ends at one period.
   const std::int64_t tick = std::llround(static_cast<double>(stamp) * 1e-9 / trace_.period_s) - 1;
   trace_.events.push_back(
       {.tick = static_cast<std::uint64_t>(std::max<std::int64_t>(0, tick)), .what = "scene " + name});

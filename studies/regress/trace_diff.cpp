@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kShownQuantities = 4, kShownEvents = 4;  // largest numbers in an explanation
 
-// Difference that the rounding of a file's values explains: a smaller one does not count.
+// Largest difference that the rounding of a file's values can cause. Only larger differences count.
 double Rounding(QuantityKind kind) { return 0.51 * std::pow(10.0, -DecimalsOf(kind)); }
 
-// A value with the decimals of its kind.
+// Formats a value with the decimals of its kind.
 std::string Value(double value, QuantityKind kind) { return fmt::format("{:.{}f}", value, DecimalsOf(kind)); }
 
 // "2.340 s (tick 2339)"
@@ -22,7 +22,7 @@ std::string At(std::uint64_t tick, const ScenarioTrace& trace) {
   return fmt::format("{:.3f} s (tick {})", trace.TimeOf_s(tick), tick);
 }
 
-// The first tick in which each part differs, over the ticks that both traces have; the earliest part first.
+// Returns the first tick in which each part differs, for the ticks that both traces have, sorted by the tick.
 std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const ScenarioTrace& now) {
   std::vector<PartDifference> parts;
   const std::uint64_t begin = std::max(golden.first_tick, now.first_tick);
@@ -38,8 +38,8 @@ std::vector<PartDifference> CompareDigests(const ScenarioTrace& golden, const Sc
   return parts;
 }
 
-// Keeps the larger difference, and the first tick beyond the tolerance.
-// @param between  the values are extremes of all ticks: their tick is not known
+// Stores the difference if it is the largest so far, and the first tick beyond the tolerance.
+// @param between  true: the values are extremes over all ticks, so their tick is not known
 void UpdateWorst(QuantityDifference& d, double golden, double now, std::uint64_t tick, bool between) {
   const double error = std::abs(now - golden);
   // a value that is not finite is beyond any tolerance
@@ -53,8 +53,8 @@ void UpdateWorst(QuantityDifference& d, double golden, double now, std::uint64_t
   d.now = now;
 }
 
-// The quantities that differ by more than rounding: first those beyond their tolerance, by the time at which
-// they left it; then by size.
+// Returns the quantities that differ by more than rounding. Those beyond their tolerance come first. They are
+// sorted by the time at which they left the tolerance, then by size.
 std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, const ScenarioTrace& now,
                                                const config::TraceTolerances& tolerances) {
   const auto quantities = TraceQuantities();
@@ -65,7 +65,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
     for (std::size_t i = 0; i < all.size(); ++i)
       UpdateWorst(all[i], was.values[i], is.values[i], is.tick, false);
   });
-  // Compare the extremes as well, for differences between samples.
+  // Compare the extremes over all ticks as well, to find differences between samples.
   if (!golden.least.empty() && !now.least.empty())
     for (std::size_t i = 0; i < all.size(); ++i) {
       UpdateWorst(all[i], golden.least[i], now.least[i], 0, true);
@@ -82,7 +82,7 @@ std::vector<QuantityDifference> CompareSamples(const ScenarioTrace& golden, cons
   return all;
 }
 
-// Compares event by event, in order, and adds a line for each that differs.
+// Compares the events one by one, in order, and adds a line for each pair that differs.
 void CompareEvents(const ScenarioTrace& golden, const ScenarioTrace& now, double tolerance_ticks,
                    std::vector<std::string>& lines) {
   const std::size_t count = std::max(golden.events.size(), now.events.size());
@@ -106,7 +106,7 @@ std::string RatioText(double ratio) {
   return ratio >= 1000.0 && ratio < 1e15 ? fmt::format("{:.0f}", ratio) : fmt::format("{:.3g}", ratio);
 }
 
-// One line: when the quantity left its tolerance, and its largest difference.
+// Describes a quantity in one line: when it left its tolerance, and its largest difference.
 std::string Describe(const QuantityDifference& d, const ScenarioTrace& now) {
   const TraceQuantity& quantity = TraceQuantities()[d.quantity];
   const std::string worst =
@@ -173,7 +173,7 @@ std::vector<std::string> Explain(const TraceDifference& difference, const Scenar
                            ? "the first bit differs before the arm moves, or after the run's end"
                            : "no tick's digest differs: the golden file itself was changed");
   } else {
-    // the first differing tick, and its consequences
+    // Describe the first tick that differs, and the parts that differ later.
     const std::uint64_t tick = difference.parts.front().tick;
     std::string first, later;
     bool input_differs = false;

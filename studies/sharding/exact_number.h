@@ -14,7 +14,8 @@
 
 namespace osteon::studies {
 
-/// A number as JSON that reads back to the same bits; JSON itself has no infinity.
+/// Converts a number to JSON that reads back to the same bits, also if the number is not finite, which JSON
+/// itself cannot express.
 [[nodiscard]] inline nlohmann::json ExactNumber(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0.0 ? "inf" : "-inf";

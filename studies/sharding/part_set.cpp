@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The value of a part at a key, as text for a message's "found".
+// The value of a part at a key, as text for the "found" of an error message.
 std::string Found(const nlohmann::json& json, const char* key) {
   return json.contains(key) ? json[key].dump().substr(0, 60) : "nothing";
 }
 
-// Number of items that a shard has.
+// Number of items that belong to a shard.
 std::size_t CountOf(const Shard& shard, std::size_t items) {
   const auto before = static_cast<std::size_t>(shard.index - 1);
   return items <= before ? 0 : (items - before - 1) / static_cast<std::size_t>(shard.of) + 1;
@@ -96,7 +96,7 @@ std::string DifferenceFrom(const Part& first, const Part& part) {
 
 namespace {
 
-// A part's JSON without the digest, which is computed from this text.
+// The JSON of a part without its digest. The digest is computed from this text.
 nlohmann::ordered_json WithoutDigest(const Part& part) {
   nlohmann::ordered_json json{
       {"schema", kPartSchema},

@@ -10,7 +10,7 @@
 namespace osteon::studies {
 namespace {
 
-// The decimal number that is the whole text; empty if the text is anything else.
+// Returns the number if the whole text is a decimal number; otherwise nothing.
 std::optional<int> NumberFrom(std::string_view text) {
   int number = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -40,7 +40,7 @@ std::vector<std::string> WithoutOptions(const std::vector<std::string>& words,
     if (std::ranges::find(options, name) == options.end())
       kept.push_back(words[i]);
     else if (name == words[i])
-      ++i;  // skips the option's value, which is the next word
+      ++i;  // skip the option's value, which is the next word
   }
   return kept;
 }

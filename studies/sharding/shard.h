@@ -11,10 +11,10 @@ namespace osteon::studies {
 
 class PartSet;
 
-/// One of several parts of a study, which may run on different machines. Items go to the parts in turn:
-/// neighbouring items, which mostly take about the same time, belong to different parts.
+/// One of several parts of a study, which may run on different machines. Items are assigned to the parts in
+/// turn: so neighbouring items, which mostly take about the same time, belong to different parts.
 struct Shard {
-  int index{1};  ///< 1 … of
+  int index{1};  ///< 1 … `of`
   int of{1};
 
   [[nodiscard]] bool Has(std::size_t item) const {
@@ -28,11 +28,14 @@ inline constexpr int kMaxShards = 10'000;
 /// Reads "I/N". @returns an error "found …, accepted …".
 [[nodiscard]] tl::expected<Shard, std::string> ParseShard(const std::string& text);
 
-/// How a study's items are shared out; by default this process computes all of them.
+/// How a study's items are divided; by default this process computes all of them.
 struct Sharding {
-  std::optional<Shard> shard{};      ///< if set, only its items are computed, and written as a part
-  const PartSet* parts{nullptr};     ///< if not null, the items come from these parts; none is computed
-  std::vector<std::string> words{};  ///< the command line after the program's name, which a part keeps
+  /// If set, only the items of this shard are computed, and written to a part file.
+  std::optional<Shard> shard{};
+  /// If not null, all results are read from these parts, and nothing is computed.
+  const PartSet* parts{nullptr};
+  /// Words of the command line after the program's name; a part stores them.
+  std::vector<std::string> words{};
 };
 
 /// Removes options that have one value each, "--json FILE" or "--json=FILE", from a command line's words.

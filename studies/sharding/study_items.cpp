@@ -37,7 +37,7 @@ std::string StudyItems::Validate(std::size_t items) const {
 }
 
 const nlohmann::json& StudyItems::At(std::size_t item) const {
-  // A study that takes its items from parts must have the same items as when the parts were made.
+  // A study that reads its results from parts must have the same items as when the parts were made.
   if (item >= sharding_.parts->items())
     throw std::invalid_argument(fmt::format("{}: found {} items, accepted at least {}: run the shards again",
                                             sharding_.parts->first_file().string(), sharding_.parts->items(),

@@ -15,9 +15,9 @@
 
 namespace osteon::studies {
 
-/// The items of a study, by their index; each item is a piece of work with a result. This process computes
-/// all items, or those of a shard, or reads all results from parts. A study handles each item in the same way
-/// in all three cases, so merged parts give the same result as a single run:
+/// The items of a study, by their index. Each item is a piece of work with a result. This process computes
+/// all items, or the items of a shard, or reads all results from parts. A study handles an item in the same
+/// way in all three cases, so merged parts give the same result as a single run:
 ///
 ///     if (items.FromParts()) result = items.Restore(i, FromJson);
 ///     else if (items.Computes(i)) items.Store(i, ToJson(result = Compute(i)));
@@ -51,18 +51,19 @@ class StudyItems {
       throw std::invalid_argument(WrongItem(item, wrong.what()));
     }
   }
-  /// Keeps the result of an item of the shard for WritePart; other items are ignored. Threads may call it.
+  /// Stores the result of an item for WritePart if the item belongs to the shard; otherwise does nothing. May
+  /// be called from several threads.
   void Store(std::size_t item, nlohmann::json result);
 
-  /// Writes the part, and says so on stdout. @param items  of the whole study
+  /// Writes the part file, and prints its name. @param items  number of items of the whole study
   /// @returns an error that names the file.
   [[nodiscard]] tl::expected<void, std::string> WritePart(const std::filesystem::path& file,
                                                           std::size_t items);
 
  private:
-  // The item's result from the parts. @throws std::invalid_argument if the parts have no such item
+  // Returns the item's result from the parts. @throws std::invalid_argument if the parts have no such item
   [[nodiscard]] const nlohmann::json& At(std::size_t item) const;
-  // Error text that names the item's part and the item.
+  // Returns an error text that names the item and its part.
   [[nodiscard]] std::string WrongItem(std::size_t item, const char* wrong) const;
 
   Sharding sharding_;
@@ -71,8 +72,8 @@ class StudyItems {
   std::map<std::size_t, nlohmann::json> stored_;
 };
 
-/// Checks the options of a sharded run: `json`, the file of --json, is the part's file.
-/// @returns an error; empty if nothing is wrong
+/// Checks the options of a sharded run; `json` is the part file, named by --json.
+/// @returns an error; empty if the options are right
 [[nodiscard]] std::string ValidateSharding(const Sharding& sharding, const std::filesystem::path& json);
 
 }  // namespace osteon::studies

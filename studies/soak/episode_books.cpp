@@ -9,7 +9,7 @@
 namespace osteon::studies {
 namespace {
 
-// Collects the figures of a recording's ticks, and the balance of the virtual tool's momentum over them.
+// Sums and maxima over a recording's ticks, and the balance of the virtual tool's momentum.
 class TickTotals {
  public:
   TickTotals(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
@@ -37,8 +37,9 @@ class TickTotals {
   }
 
  private:
-  // Adds the residual of M (v - v_before) = (F_hand + F_rendered - D v) T, in W. Ticks outside of rendering,
-  // after a gap, or with an active limit are skipped: there the law alone does not decide the motion.
+  // Adds the residual of M (v - v_before) = (F_hand + F_rendered - D v) T in W, with the law's mass M and
+  // damping D, the tool's velocity v and the period T. A tick is skipped if the loop does not render, the
+  // tick before is missing, or a limit acts: then other influences than the law change the motion.
   void AddMomentum(const control::TickRecord& tick) {
     if (!has_last_ || tick.phase != control::Phase::kHaptic || last_.phase != control::Phase::kHaptic ||
         tick.tick != last_.tick + 1 || tick.limits != 0 || last_.limits != 0)
@@ -59,7 +60,7 @@ class TickTotals {
   control::TickRecord last_{};
   bool has_last_{false};
   Vector3 residual_Ns_{Vector3::Zero()};  // sum of the momentum residuals
-  double hand_Ns_{0.0};                   // sum of |F_hand| T
+  double hand_Ns_{0.0};                   // sum of |F_hand| T, the hand's impulse
 };
 
 }  // namespace
@@ -83,7 +84,7 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
     if (*topic != io::RecordedTopic::kFrame) continue;
     const simulation::ContactModel& model = stream->frame.model;
     ++books.frames;
-    // edge work since the frame before: torque × the speed in the latest tick × time
+    // Work of the edge since the previous frame: torque × speed in the latest tick × time.
     if (frame_stamp > 0)
       books.edge_work_J +=
           model.spindle_torque_Nm * spindle_rad_per_s * rt::ToSeconds(model.pose_stamp - frame_stamp);

@@ -6,8 +6,8 @@
 
 namespace osteon::studies {
 
-/// Random numbers of one episode, determined by seed and index. They are made from raw bits: standard
-/// distributions differ between standard libraries.
+/// Random numbers of one episode, determined by seed and index. They are computed from raw bits, since the
+/// standard library's distributions differ between implementations.
 class SeededDraws {
  public:
   SeededDraws(std::uint64_t seed, int index) : bits_(seed * 1'000'003u + static_cast<std::uint64_t>(index)) {}

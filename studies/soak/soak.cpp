@@ -24,7 +24,8 @@
 namespace osteon::studies {
 namespace {
 
-// Time for which the arm at rest is still recorded: a servo of 15 Hz reaches its command within about 0.1 s.
+// Time for which the arm is still recorded after it has come to rest. A servo of 15 Hz reaches its command
+// within about 0.1 s.
 constexpr double kAtRest_s = 0.5;
 
 // Resident memory of this process.
@@ -90,7 +91,7 @@ nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
   return json;
 }
 
-// Prints an episode's line. @param simulated_s  of the soak so far
+// Prints an episode's line. @param simulated_s  virtual time of the soak so far
 void PrintEpisode(const EpisodeResult& r, double simulated_s) {
   fmt::print("{:>6.2f} h {:>5}  {:<44} {:<12} {:>7.1f} MB  momentum {:>6.3f} %  energy {:>+6.2f} %  {}\n",
              simulated_s / 3600.0, r.episode.index, r.episode.text, r.ended, r.memory_MB,
@@ -126,11 +127,11 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
           fmt::format("the recording misses {} ticks{}", r.books.missing_ticks,
                       r.books.complete ? "" : " and its end"));
   RequireBooks(r.books, require);
-  // An arm that fell silent is no longer measured.
+  // An arm that fell silent is no longer measured, so its error at rest is not known.
   require(r.episode.kind == EpisodeKind::kArmSilent || r.books.rest_error_m <= kMaxRestError_m,
           fmt::format("at rest {:.3f} mm from the command", 1e3 * r.books.rest_error_m));
   require(EnergyCloses(r.books, r.cutting_debt_J), EnergyText(r.books, r.cutting_debt_J));
-  // An arm that fell silent ends the run at once: the last frame was neither used by the loop nor recorded.
+  // An arm that fell silent ends the run at once: the last frame was then carved but not recorded.
   const double unseen_m3 = r.episode.kind == EpisodeKind::kArmSilent ? kMaxUnseenFrame_m3 : 0.0;
   const double slack_m3 = kMaxVolumeResidual * r.carved_m3;
   const double unrecorded_m3 = r.carved_m3 - r.books.removed_m3;
@@ -157,7 +158,7 @@ tl::expected<std::vector<EpisodeResult>, std::string> RunEpisodes(
   for (int index = 0; simulated_s < 3600.0 * options.hours && !(stop && stop->load()); ++index) {
     auto result = RunEpisode(options, EpisodeAt(options.seed, index), stop);
     if (!result) return tl::make_unexpected(fmt::format("episode {}: {}", index, result.error()));
-    if (stop && stop->load()) break;  // the episode was cut short: it does not count
+    if (stop && stop->load()) break;  // leave out an episode that was cut short
     for (std::string& wrong : JudgeEpisode(*result, reference)) result->wrong.push_back(std::move(wrong));
     if (index == 0) reference = result->hash;
     result->memory_MB = ResidentMemory_MB();

@@ -7,7 +7,7 @@
 
 namespace osteon::studies {
 
-/// One HTML page: verdict with every episode's errors, plots over the simulated time, and a count of the
+/// One HTML page: the verdict with all errors of episodes, plots over the simulated time, and the number of
 /// episodes of each kind.
 [[nodiscard]] std::string SoakPage(std::span<const EpisodeResult> episodes, const SoakOptions& options);
 

@@ -37,7 +37,7 @@ void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double de
 double QuarterGrowth(const std::vector<double>& values, double share) {
   const std::size_t n = values.size();
   if (n < 8) return 0.0;
-  // the quantile of values[from … to - 1]
+  // quantile of the values with index from … to - 1
   const auto quantile = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(values.begin() + static_cast<std::ptrdiff_t>(from),
                              values.begin() + static_cast<std::ptrdiff_t>(to));

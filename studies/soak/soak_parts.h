@@ -11,11 +11,11 @@
 #include "studies/soak/episode_books.h"
 #include "studies/soak/soak.h"
 
-// The parts that a soak in virtual time and one in wall time share.
+// Functions that the soak in virtual time and the soak in wall time share.
 
 namespace osteon::studies {
 
-/// Takes a condition, and the text to report if the condition does not hold.
+/// Reports the text `what` as an error if the condition does not hold.
 using Require = std::function<void(bool holds, const std::string& what)>;
 
 /// Requires the bounds that hold for every episode's recording: rendered force, momentum, removed volume.
@@ -24,18 +24,18 @@ void RequireBooks(const EpisodeBooks& books, const Require& require);
 /// Appends the figures of a recording to an episode's JSON. @param debt_J  see EpisodeBooks::EnergyResidual
 void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double debt_J);
 
-/// Growth of a quantile from the second quarter of the values to the last quarter. 0 with fewer than 8
+/// Growth of a quantile from the second quarter of the values to the last quarter; 0 with fewer than 8
 /// values.
-/// @param share  which quantile, below 1; 0: the smallest value, 0.5: the median
+/// @param share  of the quantile, below 1; 0: the smallest value, 0.5: the median
 [[nodiscard]] double QuarterGrowth(const std::vector<double>& values, double share);
 
-/// A panel of a figure over the hours of a soak. @param hours  label of the time axis
+/// A chart of a figure over the hours of a soak. @param hours  label of the time axis
 [[nodiscard]] report::LineChart SoakChart(const char* title, const char* hours, const char* unit,
                                           std::vector<report::Series> series);
 /// A series of points without a line, still empty.
 [[nodiscard]] report::Series SoakPoints(const char* name);
 
-/// Episodes of one kind, and how many of them were wrong.
+/// Number of episodes of one kind, and how many of them had an error.
 struct EpisodeCount {
   std::string_view name;
   std::ptrdiff_t episodes{0}, wrong{0};

@@ -7,8 +7,8 @@
 namespace osteon::studies {
 namespace {
 
-// Converts a draw 0 … 23 to a kind. Out of 24 draws, 8 mean reaming, 4 each loss, pause and recovery, and 1
-// each of the four parts that fall silent.
+// Converts a drawn number 0 … 23 to a kind. 8 of the 24 numbers mean reaming, 4 each loss, pause and
+// recovery, and 1 each of the four parts that fall silent.
 EpisodeKind KindOf(int drawn) {
   if (drawn < 8) return EpisodeKind::kReaming;
   if (drawn < 12) return EpisodeKind::kLoss;
@@ -17,19 +17,19 @@ EpisodeKind KindOf(int drawn) {
   return static_cast<EpisodeKind>(static_cast<int>(EpisodeKind::kSensorSilent) + drawn - 20);
 }
 
-// The cell's override that silences one direction of a wire for a time.
+// The override of the cell's file that silences one direction of a connection for a time.
 std::string SilenceOverride(const char* wire, const char* direction, double from_s, double to_s) {
   return fmt::format("injections=[{{wire: {}, direction: {}, from_s: {}, to_s: {}, silence: true}}]", wire,
                      direction, from_s, to_s);
 }
 
-// Draws the times of the kind's faults or pause, and adds them to the episode.
+// Draws the times of the kind's faults or pause, and adds the faults or the pause to the episode.
 void AddFaults(Episode& episode, SeededDraws& draws) {
-  constexpr double kForEver_s = 80000.0;  // beyond the end of every episode
+  constexpr double kForEver_s = 80000.0;  // a time after the end of every episode
   const double at_s = draws.Between(2.0, 0.6 * episode.seconds);
   switch (episode.kind) {
     case EpisodeKind::kLoss:
-      // Five messages lost in a row stop the cell, which hardly ever happens at these ratios.
+      // The cell stops if five messages in a row are lost. This hardly ever happens with these loss ratios.
       episode.set.push_back(
           fmt::format("injections=[{{wire: arm, direction: both, from_s: 0.5, to_s: {}, loss_ratio: {}, "
                       "burst_count: 3}}, {{wire: arm, direction: to_controller, from_s: {}, to_s: {}, "

@@ -27,14 +27,15 @@ using std::chrono::milliseconds, std::chrono::seconds, std::chrono::steady_clock
 
 // Time limits are generous, so that a busy machine does not decide the outcome.
 constexpr seconds kEnd{90};  // from SIGTERM to a process's end
-// An episode may take this ratio × its rendering time, plus these seconds.
+// Time limit of an episode: this ratio × its time of rendering, plus these seconds.
 constexpr double kPatienceRatio = 3.0, kPatience_s = 120.0;
 constexpr milliseconds kPollInterval{50};
-constexpr double kUseEvery_s = 0.5;   // between two measurements of the processes' use
-constexpr double kPageStays_s = 1.0;  // time for which a page stays open while pages come and go
-// Time in which the PLC notices a missing heartbeat: it takes the permission back after 0.25 s.
+constexpr double kUseEvery_s = 0.5;  // time between two measurements of the processes' use of the machine
+// Time for which a page stays open in an episode in which pages come and go.
+constexpr double kPageStays_s = 1.0;
+// Time in which the PLC notices a missing heartbeat and withdraws the permission, which takes 0.25 s.
 constexpr milliseconds kPlcNotices{800};
-constexpr const char* kPlan = "acetabulum";  // file name of the plan of a life with a plan
+constexpr const char* kPlan = "acetabulum";  // file name of the plan, for a cell whose script follows a plan
 
 double Now_s() { return std::chrono::duration<double>(steady_clock::now().time_since_epoch()).count(); }
 
@@ -48,7 +49,7 @@ int CountEntries(const std::filesystem::path& folder) {
   return count;
 }
 
-// The console's port in a controller's output; 0: not printed yet.
+// The console's port, from a controller's output; 0: not printed yet.
 int ConsolePort(const std::string& printed) {
   static const std::regex kAddress("console: http://127\\.0\\.0\\.1:([0-9]+)/");
   std::smatch found;
@@ -67,8 +68,8 @@ ProcessUse UseOf(pid_t process) {
           .threads = CountEntries(folder / "task")};
 }
 
-// The console's pages of one controller: they connect, and if the script says so, they leave and connect
-// again.
+// The console's pages that watch one controller. They connect; if the script says so, they disconnect and
+// connect again.
 class WallCell::Pages {
  public:
   void Open(int port) {
@@ -95,7 +96,7 @@ class WallCell::Pages {
   }
 
  private:
-  // Connects a page; all but the last one read their messages.
+  // Connects a page. All pages but the last one read their messages.
   void OpenPage(std::size_t i) {
     if (auto page = console::PageClient::Open("127.0.0.1", port_, i + 1 < pages_.size()))
       pages_[i] = std::move(*page);
@@ -105,7 +106,7 @@ class WallCell::Pages {
     pages_[i].reset();
   }
 
-  int port_{0};  // 0: not open yet
+  int port_{0};  // the console's port; 0: not known yet
   double opened_s_{0.0};
   std::array<std::unique_ptr<console::PageClient>, kWallPages> pages_;
   std::array<std::uint64_t, kWallPages> messages_{};
@@ -123,7 +124,7 @@ WallOutcome WallCell::Run(const WallEpisode& episode) {
   if (WallOutcome discarded; cell_ && (needs_new_cell_ || cell_->Ended() || episode.life.index != life_))
     EndCell(discarded);
   needs_new_cell_ = false;
-  static_cast<void>(cpus_.TakeLongest());  // drops the time between the episodes
+  static_cast<void>(cpus_.TakeLongest());  // discard what was measured between the episodes
   WallOutcome outcome;
   try {
     if (!cell_) outcome.error = StartCell(episode.life);
@@ -168,7 +169,8 @@ void WallCell::WatchController(const WallEpisode& episode, Pages& pages, WallOut
       const nlohmann::json json = nlohmann::json::parse(*answer, nullptr, false);
       const double rendered_s = base::NumberAt(base::ValueAt(json, "status"), "rendered_s");
       if (rendered_s > 0.0) PerformDueActions(episode, rendered_s, outcome);
-      // Only while the controller renders: at its end it reads its recording for the report.
+      // Measure only while the controller renders: at its end it reads its recording for the report, which
+      // takes memory.
       if (rendered_s > last_rendered_s && now_s - use_s > kUseEvery_s) {
         outcome.use = MeasureUses();
         use_s = now_s;
@@ -190,7 +192,8 @@ PartUses WallCell::MeasureUses() const {
 }
 
 void WallCell::PerformDueActions(const WallEpisode& episode, double rendered_s, WallOutcome& outcome) {
-  if (pausing_) {  // after the pause's length: takes the next tool if the script says so, then resumes
+  // at the end of the pause's length: request the next tool if the script says so, then resume
+  if (pausing_) {
     if (Now_s() < resume_at_s_) return;
     changed_ = changed_ || !episode.pauses[pause_].next_tool || Request("next", outcome);
     if (!changed_ || !Request("resume", outcome)) return;
@@ -254,7 +257,8 @@ void WallCell::EndParts(const WallEpisode& episode, WallOutcome& outcome) {
       episode.life.plan ? parts_.Folder("run") / "session" / "run_1.mcap" : parts_.Folder("run") / "run.mcap";
   if (IsKill(episode.event)) std::this_thread::sleep_for(kPlcNotices);
   if (episode.ends_life) EndCell(outcome);
-  if (IsKill(episode.event)) EndGuard(outcome);  // a guard that has withheld, or was killed, is started anew
+  // after a kill the guard has withheld datagrams, or is gone: the next episode starts a new one
+  if (IsKill(episode.event)) EndGuard(outcome);
 }
 
 void WallCell::EndCell(WallOutcome& outcome) {

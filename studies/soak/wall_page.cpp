@@ -40,7 +40,7 @@ report::LineChart ChartOverTime(std::span<const WallResult> results, const char*
                      results, "", [](const WallResult& r) { return r.outcome.error.empty(); }, value)});
 }
 
-// A chart of one kind of use, with one curve and colour for each process.
+// A chart of one kind of use (memory, files or threads), with one curve and colour for each process.
 report::LineChart UseChart(std::span<const WallResult> results, const char* title, const char* unit,
                            const std::function<double(const ProcessUse&)>& value) {
   std::vector<report::Series> series;

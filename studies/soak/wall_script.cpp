@@ -13,18 +13,19 @@ namespace osteon::studies {
 namespace {
 
 constexpr int kEpisodesPerLife = 5, kLivesPerGroup = 4;
-// Three lives of five episodes, and one of a single episode.
+// Number of episodes of a group: three lives of five episodes each, and one life of a single episode.
 constexpr int kEpisodesPerGroup = (kLivesPerGroup - 1) * kEpisodesPerLife + 1;
-// Length of the episode with a plan's four tools, and of the long reaming.
+// Lengths of two episodes: the procedure with the plan's four tools, and the long reaming.
 constexpr double kTools_s = 120.0, kLong_s = 240.0;
-// Times of a kill clear of bone and in bone, after rendering began: the hand needs about 1 s to the bone.
+// Times of a kill since rendering began: clear of bone, or in bone. The hand needs about 1 s to reach the
+// bone.
 constexpr double kClearOfBone_s = 0.3, kInBone_s = 4.0;
 
-// Offset of the lives' draws, so that lives and episodes use different random numbers.
+// Offset of the indices with which lives are drawn, so that lives and episodes use different random numbers.
 constexpr int kLifeDraws = 1 << 20;
 
-// Draws a life. Two of three lose datagrams. The last life of each group follows a plan or is long, in turn;
-// of the others, those with an odd index have the engine in a process of its own.
+// Draws the life of a cell. Two of three lives lose datagrams. The last life of each group follows a plan or
+// is a long reaming, alternately. The engine has a process of its own in every other of the remaining lives.
 CellLife LifeAt(std::uint64_t seed, int index) {
   SeededDraws draws(seed, kLifeDraws + index);
   CellLife life{.index = index, .seconds = kWallReaming_s};
@@ -37,7 +38,8 @@ CellLife LifeAt(std::uint64_t seed, int index) {
   return life;
 }
 
-// The event of the episode with number `place` within its life: first an undisturbed reaming, last a kill.
+// The event of the episode with number `place` within its life. The first is an undisturbed reaming, the last
+// a kill.
 WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
   if (place == 0) return WallEvent::kReaming;
   const WallEvent kill = life.engine_process ? WallEvent::kEngineKill : WallEvent::kControllerKill;
@@ -49,25 +51,25 @@ WallEvent EventAt(int place, const CellLife& life, SeededDraws& draws) {
       .at(static_cast<std::size_t>(draws.Index(6)));
 }
 
-// Draws when the kill, the halt or the pauses of the episode take place.
+// Draws the times of the episode's kill, halt or pauses.
 void AddTimes(WallEpisode& episode, SeededDraws& draws) {
   episode.at_s = episode.in_contact ? draws.Between(kInBone_s, episode.seconds - 6.0) : kClearOfBone_s;
   if (episode.event == WallEvent::kHaltedCell) {
     episode.at_s = draws.Between(kInBone_s, episode.seconds - 6.0);
-    // longer than the loop waits for the arm (five deadlines, 26 ms), and shorter than the time for which the
-    // drive may be silent (40 ms)
+    // Longer than the loop waits for the arm (five deadlines, 26 ms), but shorter than the drive may be
+    // silent (40 ms).
     episode.halt_s = draws.Between(0.030, 0.035);
   }
   if (episode.event == WallEvent::kPause)
     episode.pauses = {{draws.Between(3.0, 6.0), draws.Between(0.5, 2.0)},
                       {draws.Between(9.0, 14.0), draws.Between(0.5, 2.0)}};
   if (episode.event == WallEvent::kTools) {
-    // The expert's script holds each tool at the place where it is changed. The script goes on during a
-    // pause, and the pause itself takes about half a second.
+    // The script of the expert's hand holds each tool at the place where it is changed. The script continues
+    // during a pause; the requests of a pause take about half a second in addition.
     const hil::HandScript script = hil::MakeProcedureScript({.seconds = episode.seconds,
                                                              .heights_m = std::vector<double>(kToolsOfPlan),
                                                              .last_push_ratio = session::kExpertLastPush});
-    double paused_s = 0.0;  // the script's time in pauses, in which nothing is rendered
+    double paused_s = 0.0;  // the script's time that passed in pauses, in which the loop does not render
     for (const hil::ToolHold& hold : hil::HoldsForChanges(script)) {
       const double length_s = draws.Between(0.3, 1.0);
       episode.pauses.push_back({.begin_s = hold.begin_s + 0.15 * hold.length_s - paused_s,

@@ -20,13 +20,13 @@
 namespace osteon::studies {
 namespace {
 
-// Whether the reaming itself is not disturbed by the script's event.
+// Whether the script's event leaves the reaming itself undisturbed.
 bool IsUndisturbed(const WallEpisode& episode) {
   return episode.event == WallEvent::kReaming || episode.event == WallEvent::kPages;
 }
 
-// Whether the episode has the ordinary length and its controller ended by itself, so that its memory is
-// comparable with that of other episodes.
+// Whether the episode has the ordinary length and its controller ended by itself. Only such episodes use
+// comparable memory.
 bool IsOrdinary(const WallResult& r) {
   return !IsKill(r.episode.event) && r.episode.event != WallEvent::kTools &&
          r.episode.event != WallEvent::kLong && r.outcome.error.empty();
@@ -34,7 +34,7 @@ bool IsOrdinary(const WallResult& r) {
 
 std::string FaultName(safety::Fault fault) { return safety::Describe(fault).name; }
 
-// Checks how controller, cell and spindle ended, and which faults occurred, against the episode's event.
+// Checks how controller, cell and spindle ended and which faults occurred, as the episode's event requires.
 void JudgeEnd(const WallResult& r, const Require& require) {
   const WallEvent event = r.episode.event;
   const std::string faults = fmt::format("{}", fmt::join(r.faults, ", "));
@@ -89,7 +89,7 @@ void JudgeRecording(const WallResult& r, const Require& require) {
                       1e9 * books.removed_m3));
 }
 
-// Fills the result from the controller's summary file. A controller that was killed has left none.
+// Fills in the result from the controller's summary file. A controller that was killed has left no such file.
 void ReadSummary(WallResult& result) {
   const nlohmann::json json = nlohmann::json::parse(base::ReadText(result.outcome.summary), nullptr, false);
   if (!json.is_object()) return;
@@ -112,12 +112,13 @@ void ReadSummary(WallResult& result) {
     result.depth_mm = *depth;
 }
 
-// Copies the processes' folders of an episode with an error into the folder of --out.
+// Copies the processes' folders to the folder of --out, for an episode with an error.
 void KeepEvidence(const std::filesystem::path& work, const std::filesystem::path& out, const WallResult& r) {
   if (out.empty() || r.wrong.empty()) return;
   std::error_code error;
   std::filesystem::path kept = out / fmt::format("episode_{}", r.episode.index);
-  for (int copy = 2; std::filesystem::exists(kept, error); ++copy)  // evidence of an earlier soak stays
+  // do not overwrite the folders of an earlier soak
+  for (int copy = 2; std::filesystem::exists(kept, error); ++copy)
     kept = out / fmt::format("episode_{}_{}", r.episode.index, copy);
   std::filesystem::create_directories(kept, error);
   for (const char* part : {"run", "guard", "cell"})
@@ -220,7 +221,8 @@ UseGrowth GrowthOf(WallPart part, std::span<const WallResult> results) {
     for (const ProcessUse& use : uses) values.push_back(static_cast<double>(value(use)));
     return QuarterGrowth(values, share);
   };
-  // An episode whose pages come and go has more files and threads for a moment: the minimum shows what stays.
+  // While pages come and go, an episode has more files and threads for a moment. The minimum shows what
+  // stays.
   return {.memory_MB = growth([](const ProcessUse& u) { return u.memory_MB; }, 0.5),
           .files = static_cast<int>(growth([](const ProcessUse& u) { return u.files; }, 0.0)),
           .threads = static_cast<int>(growth([](const ProcessUse& u) { return u.threads; }, 0.0))};
@@ -237,7 +239,7 @@ std::vector<std::string> JudgeGrowth(std::span<const WallResult> results) {
                                   growth.threads));
   }
   for (const WallResult& r : results) {
-    // a long episode shows growth within itself, from its half to its last measurement
+    // For a long episode, judge the growth within the episode: from the middle to the last measurement.
     const double grew_MB = r.outcome.use[0].memory_MB - r.outcome.half.memory_MB;
     if (r.episode.event == WallEvent::kLong && r.outcome.error.empty() && grew_MB > kMaxMemoryGrowth_MB)
       wrong.push_back(fmt::format("episode {}: the controller grew by {:.1f} MB in its second half",
@@ -282,7 +284,7 @@ int RunWallSoak(const SoakOptions& options) {
   for (int index = 0; HoursOf(results) < options.hours && !base::Interrupted(); ++index) {
     WallResult result = RunEpisode(cell, index == 0 ? FirstWallEpisode(options.seed, 3600.0 * options.hours)
                                                     : WallEpisodeAt(options.seed, index));
-    if (base::Interrupted()) break;  // the episode was cut short: it does not count
+    if (base::Interrupted()) break;  // leave out an episode that was cut short
     for (std::string& wrong : JudgeWallEpisode(result, first ? &*first : nullptr))
       result.wrong.push_back(std::move(wrong));
     if (!result.wrong.empty()) cell.RequireNewCell();
@@ -290,7 +292,7 @@ int RunWallSoak(const SoakOptions& options) {
     KeepEvidence(work.path(), options.out, result);
     results.push_back(std::move(result));
     PrintWallEpisode(results.back(), HoursOf(results));
-    if (!results.back().outcome.error.empty()) break;  // the same error would repeat for hours
+    if (!results.back().outcome.error.empty()) break;  // stop: the same error would repeat for hours
   }
   const auto wrong = std::ranges::count_if(results, [](const WallResult& r) { return !r.wrong.empty(); });
   const std::vector<std::string> grows = JudgeGrowth(results);

@@ -11,7 +11,7 @@
 namespace osteon::studies {
 namespace {
 
-// Returns the parameters unchanged. @throws std::invalid_argument if one is out of range
+// Returns the parameters unchanged. @throws std::invalid_argument if a parameter is out of range
 const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
   Validate(params.loop);
   if (!(params.command_loss >= 0.0 && params.command_loss < 1.0))
@@ -20,7 +20,7 @@ const AdmittanceRunParams& Validated(const AdmittanceRunParams& params) {
   return params;
 }
 
-// The shipped arm, of which the loop uses the first joint as its axis; without a speed limit.
+// The shipped arm without a speed limit. The loop uses the arm's first joint as its axis.
 hil::ServoArm ArmWithoutLimits(const hil::AdmittanceLoopParams& loop) {
   const hil::ServoArmParams arm = hil::ArmHeldBy(loop.hand, loop.felt_mass_kg, loop.arm).arm;
   std::array<kinematics::JointLimits, 7> unlimited;
@@ -29,7 +29,7 @@ hil::ServoArm ArmWithoutLimits(const hil::AdmittanceLoopParams& loop) {
   return {arm, unlimited, loop.period_s, kinematics::JointVector::Zero()};
 }
 
-// The plane through W's origin with normal n_W, as an engine would report it.
+// A contact model with the plane through W's origin with normal n_W, as an engine would report it.
 simulation::ContactModel PlaneModel(const Vector3& n_W, double stiffness_N_per_m) {
   simulation::ContactModel model;
   model.frame = 1;
@@ -41,7 +41,7 @@ simulation::ContactModel PlaneModel(const Vector3& n_W, double stiffness_N_per_m
 
 }  // namespace
 
-// Positions are relative to the rest position, so small motions keep their digits.
+// Positions are relative to the rest position, so that small motions keep their precision.
 AdmittanceAxis::AdmittanceAxis(const AdmittanceRunParams& params)
     : params_(Validated(params)),
       preload_N_(params.loop.wall.stiffness_N_per_m > 0.0 ? params.preload_N : 0.0),
@@ -86,8 +86,8 @@ double AdmittanceAxis::HandForce() {
   return -(p.hand.stiffness_N_per_m * x + p.hand.damping_Ns_per_m * v + p.hand.mass_kg * a);
 }
 
-// Force [N] of the shipped coupling along the axis, at the measured pose or at the commanded one of the
-// wall's age.
+// Force [N] of the shipped coupling along the axis. The coupling is evaluated at the measured position, or at
+// the commanded position of LoopWall::age_ticks ago.
 double AdmittanceAxis::WallForce(std::int64_t tick) {
   const hil::LoopWall& wall = params_.loop.wall;
   poses_.Push(x_c_m_);
@@ -114,7 +114,7 @@ AxisTick AdmittanceAxis::Step() {
   const Vector3 axis_W = R_WT_.col(2);
   AxisTick tick{.hand_N = HandForce()};
   double read_N = tick.hand_N;
-  // uniform noise of this rms: a uniform variable of width 1 has the variance 1 / 12
+  // uniform noise with this RMS value: a uniform variable of width 1 has the variance 1 / 12
   if (params_.noise_N > 0.0) read_N += params_.noise_N * std::sqrt(12.0) * (Uniform() - 0.5);
   felt_.Push(read_N);
   tick.wall_N = WallForce(tick_);

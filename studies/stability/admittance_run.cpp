@@ -9,15 +9,15 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDied = 1e-9;  // share of the largest motion below which only rounding is left
-// Change of the wall's force, as a share of the preload, beyond which the motion counts as growing: a tool
-// that leaves the wall no longer feels a linear spring.
+constexpr double kDied = 1e-9;  // a motion below this share of the largest motion is only rounding
+// The motion counts as growing if the wall's force changes by more than this share of the preload. A tool
+// that leaves the wall is no longer on a linear spring.
 constexpr double kOutgrown = 0.5;
-// Without a wall, a motion of this size counts as growing: the kick started with 0.1 mm/s.
+// Without a wall, the motion counts as growing if it gets this large; its initial velocity was 0.1 mm/s.
 constexpr double kFarFree_m = 0.1;
 
 // Growth of |x| over a run's second half. An oscillation is measured from its first to its last turning
-// point, a motion that does not turn from the middle to the end.
+// point, a motion without turning points from the middle to the end of the run.
 class Envelope {
  public:
   explicit Envelope(int ticks) : middle_(ticks / 2), end_(ticks - 1) {}
@@ -33,7 +33,7 @@ class Envelope {
     }
     second_last_size_ = std::exchange(last_size_, size);
   }
-  // Logarithm of the growth in a tick; -infinity if the motion has died out.
+  // Logarithm of the growth per tick; -infinity if the motion has died out.
   [[nodiscard]] double Growth() const {
     const auto [from, to] = turns_ >= 2 ? std::pair(first_turn_, last_turn_) : std::pair(first_, last_);
     if (!(to.size > kDied * max_size_)) return -kInfinity;

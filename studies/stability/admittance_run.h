@@ -4,13 +4,13 @@
 
 namespace osteon::studies {
 
-/// Steps AdmittanceAxis.
-/// @returns the logarithm of the motion's growth in a period. +infinity if the tool has left the wall or the
-///   motion has outgrown the preload; -infinity if it has died out.
-/// @throws std::invalid_argument on a parameter out of range.
+/// Simulates AdmittanceAxis.
+/// @returns the logarithm of the motion's growth per period. +infinity if the tool has left the wall, or if
+/// the motion has become too large for the preload; -infinity if the motion has died out.
+/// @throws std::invalid_argument if a parameter is out of range.
 [[nodiscard]] double SimulatedGrowth(const AdmittanceRunParams& params);
 
-/// The largest wall stiffness that is observed stable: scans upward, then bisects.
+/// Finds the largest wall stiffness with which the simulation is stable: scans upward, then bisects.
 [[nodiscard]] hil::Boundary SimulatedMaxWallStiffness(AdmittanceRunParams params,
                                                       const hil::BoundaryScan& scan);
 

@@ -16,7 +16,7 @@ namespace osteon::studies {
 /// low-pass at high_hz. The filters start at rest at the series' first value.
 [[nodiscard]] inline std::vector<Vector3> BandPass(const std::vector<Vector3>& series, double low_hz,
                                                    double high_hz, double period_s) {
-  // qualities of the two second-order sections of a fourth-order Butterworth filter
+  // quality factors of the two second-order sections of a fourth-order Butterworth filter
   constexpr double kQa = 0.5411961001461970, kQb = 1.3065629648763766;
   using control::Biquad;
   Biquad high_a = Biquad::HighPass(low_hz, kQa, period_s), high_b = Biquad::HighPass(low_hz, kQb, period_s);
@@ -36,8 +36,8 @@ namespace osteon::studies {
 }
 
 /// Root mean square of the values [from, from + count) within a band of frequencies. Unlike a filter's
-/// result, it does not depend on earlier values: a Hann window is applied to the values less their regression
-/// line, and then a discrete Fourier transform (bins at multiples of 1 / duration).
+/// result, it does not depend on earlier values: the regression line is subtracted, a Hann window is applied,
+/// and a discrete Fourier transform follows (bins at multiples of 1 / duration).
 [[nodiscard]] inline double RmsInBand(const std::vector<Vector3>& series, std::size_t from, std::size_t count,
                                       double low_hz, double high_hz, double period_s) {
   const double middle = 0.5 * static_cast<double>(count - 1), turn = 2.0 * std::numbers::pi;
@@ -58,7 +58,7 @@ namespace osteon::studies {
   }
   mean /= weight;
   slope /= weight_tt;
-  // the sum over the band's bins, each with its equal bin at the negative frequency
+  // sum over the bins of the band; each counts twice, for the equal bin at the negative frequency
   double energy = 0.0;
   const double bin_hz = 1.0 / (n * period_s);
   for (int k = static_cast<int>(std::ceil(low_hz / bin_hz - 1e-9)); k * bin_hz <= high_hz * (1.0 + 1e-9);

@@ -9,7 +9,8 @@
 namespace osteon::studies {
 namespace {
 
-// The plane of the loop: x is lateral, the feed is along z, so the cup's axis is -z; the tool tilts about y.
+// The loop lies in a plane: x is lateral, the feed is along z, so the cup's axis is -z. The tool tilts about
+// y.
 const Vector3 kAxis_W{0.0, 0.0, -1.0};
 
 // Pose of a tool that is displaced along x and tilted about y.
@@ -20,18 +21,18 @@ Pose PlanarPose(double aside_m, double tilt_rad) {
   return X;
 }
 
-// GuidedLoop::stiffness() by central differences, at a pose where funnel and cone are linear: beyond their
-// ease and below their cap.
+// Computes GuidedLoop::stiffness() by central differences, at a pose in the linear part of funnel and cone:
+// beyond their soft start (ease) and below their cap.
 Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
   guidance.axis_W = kAxis_W;
   guidance.centre_W = {0.0, 0.0, -guidance.head_m};
   guidance.lateral.cap = guidance.cone.cap = guidance.depth.cap = std::numeric_limits<double>::max();
   const double tilt = guidance.cone_free_rad + 2.0 * guidance.cone.ease;
-  // the head stays at height 0, where the depth's spring exerts no force
+  // The head stays at height 0, where the depth's spring exerts no force.
   const double aside_m =
       guidance.lateral_free_m + 2.0 * guidance.lateral.ease + guidance.head_m * std::sin(tilt);
   guidance.depth_soft_m = -1.0;
-  // (lateral force, torque) at a displacement from this pose
+  // Returns (lateral force, torque) at a displacement from this pose.
   const auto wrench = [&](double x, double turn) {
     Pose X = PlanarPose(aside_m + x, tilt + turn);
     X.translation().z() = guidance.head_m * (std::cos(tilt) - 1.0);
@@ -47,8 +48,8 @@ Eigen::Matrix2d StiffnessOf(control::GuidanceParams guidance) {
 
 }  // namespace
 
-// State: commanded lateral positions now and earlier, the arm's x, x' and x' a period ago, the virtual tool's
-// v; the same for the tilt; then the hand's forces of earlier ticks.
+// State, for the lateral motion: commanded positions now and earlier; the arm's x, x', and x' a period ago;
+// the virtual tool's velocity. The same for the tilt. Then the hand's forces of earlier ticks.
 GuidedLoop::GuidedLoop(const GuidedLoopParams& params)
     : params_(params),
       linear_arm_(hil::LinearArm(params.arm, params.period_s)),
@@ -60,8 +61,8 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
   const hil::GridHand& hand = params_.hand;
   const double lever_m = params_.lever_m;
   const int coordinate = history_ + 4;
-  // (lateral, tilt) of the arm's position, velocity and acceleration, of the command, and of the tool's
-  // velocity
+  // each has the elements (lateral, tilt): the arm's position, velocity and acceleration; the command; the
+  // velocity of the virtual tool
   Eigen::Vector2d x, v, a, commanded, speed;
   for (int i = 0; i < 2; ++i) {
     const int at = i * coordinate;
@@ -71,7 +72,7 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
     commanded[i] = s[at];
     speed[i] = s[at + history_ + 3];
   }
-  // a motion (lateral, tilt) at the hand, which is lever_m above the apex, against the feed
+  // Converts a motion (lateral, tilt) of the apex to the lateral motion at the hand, lever_m behind the apex.
   const auto at_hand = [&](const Eigen::Vector2d& of) { return of[0] - lever_m * of[1]; };
   const double felt_N =
       -(hand.stiffness_N_per_m * at_hand(x) + hand.damping_Ns_per_m * at_hand(v) + hand.mass_kg * at_hand(a));
@@ -85,7 +86,7 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
   law.inertia_kg_m2.setConstant(params_.inertia_kg_m2);
   law.damping_Nms_per_rad.setConstant(params_.damping_Nms_per_rad);
   law.centre_T_m.z() = -params_.centre_m;
-  control::AdmittanceState tool;  // linear around a tool that is upright
+  control::AdmittanceState tool;  // linearised about an upright tool
   tool.V_WT = {.v = {speed[0], 0.0, 0.0}, .w = {0.0, speed[1], 0.0}};
   const Wrench F_T_W{.f = {told_N + guidance[0], 0.0, 0.0}, .t = {0.0, -lever_m * told_N + guidance[1], 0.0}};
   if (!control::StepAdmittance(law, F_T_W, params_.period_s, tool))
@@ -98,8 +99,8 @@ Eigen::VectorXd GuidedLoop::Step(const Eigen::VectorXd& s) const {
     const int at = i * coordinate;
     next[at] = commanded_next[i];
     for (int j = 1; j < history_; ++j) next[at + j] = s[at + j - 1];
-    // the command that was sent `ago` ticks before this one; a dead time with a part of a period needs two
-    // commands (see LoopArm::step)
+    // Returns the command that was sent `ago` ticks ago. If the dead time is not a whole number of periods,
+    // two commands act in a period (see LoopArm::step).
     const auto sent = [&](int ago) { return ago == 0 ? commanded_next[i] : s[at + ago - 1]; };
     const double earlier = linear_arm_.split ? sent(linear_arm_.whole + 1) : 0.0;
     next.segment<2>(at + history_) =
@@ -145,7 +146,7 @@ std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
     params.hand = hands[i].hand;
     params.lever_m = hands[i].lever_m;
     bool stable = true;
-    for (int at = 0; at < n * n && stable; ++at) {  // number of the grid's cell
+    for (int at = 0; at < n * n && stable; ++at) {  // index of a cell of the grid
       params.guidance.lateral.stiffness = lateral * (at / n) / (n - 1);
       params.guidance.cone.stiffness = cone * (at % n) / (n - 1);
       stable = GuidedLoop(params).IsStable();

@@ -20,13 +20,14 @@ namespace osteon::studies {
 /// Pose from which the guidance is computed.
 enum class GuidanceOn { kCommanded, kMeasured };
 
-/// Every field has a usable default: the rows of docs/theory/guidance.md.
+/// Parameters of the loop. The defaults are those of the loop in docs/theory/guidance.md.
 struct GuidedLoopParams {
   hil::GridHand hand{"firm", 500.0, 20.0, 1.5};
-  double lever_m{0.1};                                   ///< height of the hand above the apex
-  double mass_kg{1.7}, damping_Ns_per_m{30.0};           ///< of the virtual tool
-  double inertia_kg_m2{0.15}, damping_Nms_per_rad{1.5};  ///< about the law's centre
-  double centre_m{0.0};                                  ///< the law's centre above the apex
+  double lever_m{0.1};                          ///< height of the hand above the apex
+  double mass_kg{1.7}, damping_Ns_per_m{30.0};  ///< mass and damping of the virtual tool
+  /// Inertia and damping of the virtual tool's rotation, about the law's centre.
+  double inertia_kg_m2{0.15}, damping_Nms_per_rad{1.5};
+  double centre_m{0.0};  ///< height of the law's centre above the apex
   hil::ServoArmParams arm;
   int sensor_delay{1};  ///< [ticks]
   double period_s{0.001};
@@ -34,9 +35,9 @@ struct GuidedLoopParams {
   GuidanceOn on{GuidanceOn::kCommanded};
 };
 
-/// The loop, linearised for a tool in the linear part of funnel and cone, without the guidance's damping,
-/// which is bounded by a share of the force. The guidance's stiffness is the slope of the shipped
-/// EvaluateGuidance, the law is the shipped StepAdmittance, and the arm is the shipped ServoArm.
+/// The loop as a linear system, for a tool in the linear part of funnel and cone. The guidance's damping is
+/// left out, since it is bounded by a share of the force. The guidance's stiffness is the slope of the
+/// shipped EvaluateGuidance; law and arm are the shipped StepAdmittance and ServoArm.
 class GuidedLoop {
  public:
   explicit GuidedLoop(const GuidedLoopParams& params);
@@ -44,23 +45,23 @@ class GuidedLoop {
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] Eigen::VectorXd Step(const Eigen::VectorXd& state) const;
   [[nodiscard]] double SpectralRadius() const;
-  /// Whether no motion grows. A motion that nothing holds, such as a turn about the hand, may persist.
+  /// Whether no motion grows. A motion without a restoring force, such as a turn about the hand, may persist.
   [[nodiscard]] bool IsStable() const { return SpectralRadius() < 1.0 + 1e-7; }
-  /// Derivative of the guidance's (lateral force, torque) by (lateral displacement, tilt), with the sign of a
-  /// spring.
+  /// Negative derivative of the guidance's (lateral force, torque) with respect to (lateral displacement,
+  /// tilt): positive for a spring.
   [[nodiscard]] const Eigen::Matrix2d& stiffness() const { return stiffness_; }
 
  private:
   GuidedLoopParams params_;
   hil::LoopArm linear_arm_;
   Eigen::Matrix2d stiffness_;
-  int history_, size_;  // poses per coordinate; size of the state
+  int history_, size_;  // number of stored commands for each coordinate; size of the state
 };
 
 /// Distances at which a hand may hold the tool above its apex [m].
 [[nodiscard]] std::vector<double> GuidanceLevers_m();
 
-/// A hand and the lever at which it holds the tool.
+/// A hand, and the distance above the apex at which it holds the tool.
 struct HeldHand {
   hil::GridHand hand;
   double lever_m{0.0};
@@ -68,17 +69,17 @@ struct HeldHand {
 
 /// The hands of the grid except fixture and clamp, each at every lever.
 [[nodiscard]] std::vector<HeldHand> GuidanceHands();
-/// The hands of GuidanceHands with which the loop is stable without guidance.
+/// Those of GuidanceHands with which the loop is stable without guidance.
 [[nodiscard]] std::vector<HeldHand> HandsStableWithoutGuidance(GuidedLoopParams params);
 
-/// The hands among `hands` that guidance makes unstable, at any stiffness of an n × n grid of lateral and
-/// cone stiffness from 0 to those of params.guidance.
+/// Returns the indices of those of `hands` with which the guidance makes the loop unstable. It tries the
+/// stiffnesses of an n × n grid, from 0 to the lateral and cone stiffness of params.guidance.
 [[nodiscard]] std::vector<std::size_t> HandsThatGuidanceMakesUnstable(GuidedLoopParams params,
                                                                       const std::vector<HeldHand>& hands,
                                                                       int n = 5);
 
-/// The first factor on both stiffnesses with which guidance makes a hand of the grid unstable, scanned from
-/// 0.1 up to `max_factor`; 0: the factor is below 0.1.
+/// Finds the smallest factor on both stiffnesses with which the guidance makes the loop unstable with one of
+/// the hands. Scans from 0.1 up to `max_factor`; 0: already unstable at 0.1.
 [[nodiscard]] hil::Boundary GuidanceBoundary(GuidedLoopParams params, const std::vector<HeldHand>& hands,
                                              double max_factor = 4.0);
 

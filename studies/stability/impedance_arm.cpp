@@ -13,11 +13,11 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
-// As in DynamicArm: share of the joints' stiffness that holds the elbow, and damping of the Jacobian's
-// pseudoinverse.
+// Share of the joints' stiffness that holds the elbow, and damping of the Jacobian's pseudoinverse; the same
+// values as in DynamicArm.
 constexpr double kNullShare = 0.1, kNullDamping_m = 1e-3;
 
-// exp(A t), by the series of a small step, which is then squared repeatedly.
+// exp(A t): the series for a small step, squared repeatedly.
 Eigen::MatrixXd Exponential(const Eigen::MatrixXd& A, double t) {
   constexpr int kHalvings = 12, kTerms = 6;
   const Eigen::MatrixXd step = A * (t / (1 << kHalvings));
@@ -80,7 +80,8 @@ ImpedanceArm ImpedanceArmAt(const ImpedanceArmParams& params, double mass_ratio)
 
 SampledArm Sample(const ImpedanceArm& arm, double seconds) {
   const Matrix7 inverse = arm.inertia.inverse();
-  // the held torque is a constant third part of the state: its effect comes out of the same exponential
+  // The torque, which is constant meanwhile, is the third part of the state: so one exponential gives its
+  // effect, too.
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(21, 21);
   A.block<7, 7>(0, 7).setIdentity();
   A.block<7, 7>(7, 0) = -inverse * arm.stiffness;
@@ -92,8 +93,8 @@ SampledArm Sample(const ImpedanceArm& arm, double seconds) {
 
 namespace {
 
-// Momentum (linear, angular about B's origin) of all links, divided by the base's twist (6 × 6, the links'
-// inertia), and by the joints' velocities (6 × 7).
+// Momentum of all links (linear, and angular about B's origin), per twist of the base (6 × 6, the links'
+// inertia) and per velocity of the joints (6 × 7).
 struct BaseMomentum {
   Matrix6 by_base{Matrix6::Zero()};
   Eigen::Matrix<double, 6, 7> by_joints{Eigen::Matrix<double, 6, 7>::Zero()};
@@ -107,7 +108,8 @@ BaseMomentum MomentumOf(const ImpedanceArmParams& params) {
     const Pose X_BL = chain.LinkPose(posture, i);
     const Vector3 c = X_BL * link.p_LLcm_m;
     const Matrix3 I = X_BL.linear() * link.I_LLcm_kg_m2 * X_BL.linear().transpose();
-    // a twist (v of the centre of mass, w) has the momentum (m v, I w + c × m v)
+    // A link's velocity v of the centre of mass and angular velocity w give the momentum (m v, I w + c × m
+    // v).
     const auto add = [&](const Vector3& v, const Vector3& w, auto&& column) {
       const Vector3 linear = link.mass_kg * v;
       column.template head<3>() += linear;
@@ -160,7 +162,8 @@ OverlayResponse::OverlayResponse(const MountedArm& arm, const Joints& along, dou
 }
 
 // Adds the modes of inertia qdd + damping qd + stiffness q = along f.
-// @param rest_s  the dead time beyond whole periods: so late in a period a force begins to act
+// @param rest_s  the rest of the dead time beyond whole periods: a force begins to act so long after a
+// period's begin
 void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::MatrixXd& damping,
                                const Eigen::MatrixXd& stiffness, const Joints& along, double rest_s) {
   const Eigen::Index n = inertia.rows();
@@ -175,7 +178,7 @@ void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::Matr
   drive.tail(n) = solved.solve(torque);
   seen.head<7>() = along;
 
-  // decoupled modes: `driven` is how a force along the axis drives each
+  // Decouple the modes; `driven` is the effect of a force along the axis on each mode.
   const Eigen::EigenSolver<Eigen::MatrixXd> eigen(A);
   const Eigen::MatrixXcd V = eigen.eigenvectors();
   const Eigen::VectorXcd driven = V.partialPivLu().solve(drive.cast<std::complex<double>>());
@@ -183,7 +186,7 @@ void OverlayResponse::AddModes(const Eigen::MatrixXd& inertia, const Eigen::Matr
     const std::complex<double> pole = eigen.eigenvalues()[i];
     const std::complex<double> gain =
         (seen.cast<std::complex<double>>().array() * V.col(i).array()).sum() * driven[i];
-    // state of a mode after a force of 1 was held for this time
+    // Returns the state of a mode after a constant force of 1 for this time.
     const auto held = [pole](double seconds) {
       return std::abs(pole) * seconds < 1e-9 ? std::complex<double>(seconds)
                                              : (std::exp(pole * seconds) - 1.0) / pole;

@@ -16,14 +16,17 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double kSmooth_octave = 0.35;     // width of the smoothing at half of its height
-constexpr double kLowest_hz = 0.01;         // of the grid on which the curve is computed
-constexpr int kPoints = 1500;               // of the grid
-constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
-constexpr double kMinSd = 1e-9;             // least sd of a line: weights stay finite without noise
+constexpr double kSmooth_octave = 0.35;  // width of the smoothing bell at half of its height
+constexpr double kLowest_hz = 0.01;      // lowest frequency of the grid on which the curve is computed
+constexpr int kPoints = 1500;            // number of frequencies of the grid
+// Radius of the disc that contains 95 % of a plane's normal distribution with standard deviation 1.
+constexpr double k95 = 2.4477468306808161;
+// Least standard deviation of a line, so that weights stay finite without noise.
+constexpr double kMinSd = 1e-9;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// Measured over commanded position at one frequency: the sampled arm, the delay and the resonances.
+// The measured position divided by the commanded one, at one frequency: the sampled arm, the delay and the
+// resonances.
 Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double hz) {
   const Complex z = std::polar(1.0, kTwoPi * hz * model.period_s);
   const Eigen::Matrix2cd from_state =
@@ -38,8 +41,8 @@ Complex ResponseOf(const hil::LoopArm& arm, const ResponseModel& model, double h
   return response;
 }
 
-// Linear step of law and wall by a tick, with a force from outside. State: x_c now and earlier, v. @returns
-// infinite values if the law refuses its input.
+// A linear step of law and wall by a tick, with an external force. The state is: x_c now and earlier, v.
+// @returns infinite values if the law refuses its input.
 Eigen::VectorXd StepLaw(const hil::AdmittanceLoopParams& params, const Eigen::VectorXd& s, double force_N) {
   const int poses = static_cast<int>(s.size()) - 1, age = params.wall.age_ticks;
   const double wall_N =
@@ -60,13 +63,14 @@ Eigen::VectorXd StepLaw(const hil::AdmittanceLoopParams& params, const Eigen::Ve
   return next;
 }
 
-// Dynamic stiffness of a hand [N/m]: its force over the displacement, with the sign of a spring.
+// Dynamic stiffness of a hand [N/m]: its force divided by the displacement, positive for a spring.
 Complex HandAt(const hil::GridHand& hand, double hz) {
   const double w = kTwoPi * hz;
   return {hand.stiffness_N_per_m - w * w * hand.mass_kg, w * hand.damping_Ns_per_m};
 }
 
-// The loop without the hand: law × sensor's delay × response. The radius is relative to the curve's size.
+// The loop without the hand: law × sensor's delay × response. The radius is relative to the size of the
+// curve.
 std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const MeasuredLoopParams& params,
                                       const LawResponse& law) {
   std::vector<NyquistPoint> curve;
@@ -79,9 +83,10 @@ std::vector<NyquistPoint> WithoutHand(const MeasuredPlant& response, const Measu
   return curve;
 }
 
-// Number of unstable poles of the closed loop by Nyquist: those of the law, less the turns of 1 + L around 0
-// over the whole unit circle. The curve is the circle's upper half. Near z = 1 the contour passes outside of
-// the integrator's pole, so the angle begins at its principal value there.
+// Number of unstable poles of the closed loop by Nyquist's criterion: the number of the law's unstable poles,
+// less the number of times that 1 + L encircles 0 over the whole unit circle. `curve` is the upper half of
+// the circle. Near z = 1 the contour passes outside the integrator's pole, so the angle starts at its
+// principal value.
 int UnstablePoles(const std::vector<NyquistPoint>& curve, int unstable_law) {
   double angle = std::arg(1.0 + curve.front().loop);
   for (std::size_t i = 1; i < curve.size(); ++i)
@@ -108,7 +113,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
     if (i == 0) continue;
     const NyquistPoint& before = curve[i - 1];
     const double im0 = before.loop.imag(), im1 = at.loop.imag();
-    if ((im0 < 0.0) != (im1 < 0.0)) {  // crosses the real axis
+    if ((im0 < 0.0) != (im1 < 0.0)) {  // the curve crosses the real axis
       const double share = im0 / (im0 - im1);
       const double real = std::lerp(before.loop.real(), at.loop.real(), share);
       if (real < 0.0 && real > -1.0 && -1.0 / real < margins.gain) {
@@ -117,7 +122,7 @@ void FindMargins(const std::vector<NyquistPoint>& curve, LoopMargins& margins) {
       }
     }
     const double size0 = std::abs(before.loop) - 1.0, size1 = std::abs(at.loop) - 1.0;
-    if ((size0 < 0.0) != (size1 < 0.0)) {  // crosses the circle |L| = 1
+    if ((size0 < 0.0) != (size1 < 0.0)) {  // the curve crosses the circle |L| = 1
       const double share = size0 / (size0 - size1);
       const Complex cross = before.loop + share * (at.loop - before.loop);
       const double phase_deg = std::abs(std::arg(-cross)) * 180.0 / std::numbers::pi;
@@ -184,14 +189,15 @@ MeasuredPlant::Ratio MeasuredPlant::Smoothed(double hz) const {
   double weights = 0.0, variance_sum = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const Ratio& line : lines_) nearest = std::min(nearest, std::abs(line.octave - octave));
   for (const Ratio& line : lines_) {
-    // Between sparse lines, distances count from the nearest line, so that one line always has weight.
+    // If the lines are sparse, distances are reduced by that of the nearest line, so that one line always has
+    // weight.
     const double away = (std::abs(line.octave - octave) - std::max(0.0, nearest - spread)) / spread;
     const double bell = std::exp(-0.5 * away * away), weight = bell * line.weight;
     weighted_sum += weight * line.value;
     weights += weight;
     variance_sum += bell * weight;
   }
-  // 1 / variance of the weighted mean, where each line has the variance 1 / line.weight
+  // weight = 1 / variance of the weighted mean, as each line has the variance 1 / line.weight
   return {.octave = octave,
           .hz = hz,
           .value = weighted_sum / weights,
@@ -208,10 +214,10 @@ LawResponse::LawResponse(const hil::AdmittanceLoopParams& params) {
   const auto step = [&](const Eigen::VectorXd& s) { return StepLaw(params, s, 0.0); };
   state_ = hil::LoopMatrix(step, size);
   input_ = StepLaw(params, Eigen::VectorXd::Zero(size), 1.0);
-  // A tick sends the new x_c.
+  // A tick sends the new x_c, the first element of the next state.
   output_ = state_.row(0).transpose();
   direct_ = input_[0];
-  // without a wall the law integrates: its pole at 1 does not count as unstable
+  // Without a wall the law integrates. This pole at 1 does not count as unstable.
   const bool integrates = !(params.wall.stiffness_N_per_m > 0.0);
   const Eigen::VectorXcd poles = Eigen::EigenSolver<Eigen::MatrixXd>(state_, false).eigenvalues();
   for (const Complex& pole : poles)

@@ -16,20 +16,21 @@ using Matrix7c = Eigen::Matrix<Complex, 7, 7>;
 using Vector7c = Eigen::Matrix<Complex, 7, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr int kPoints = 500;  // frequencies of the curve, evenly spaced in the logarithm
-// The curve's start, where every factor of the determinant is close to the real axis.
+constexpr int kPoints = 500;  // number of frequencies of the curve, evenly spaced in the logarithm
+// Lowest frequency of the curve: there every factor of the determinant is almost real.
 constexpr double kLowest_hz = 1e-4;
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double k95 = 2.4477468306808161;  // radius that holds 95 % of a plane's normal distribution of sd 1
+// Radius of the disc that contains 95 % of a plane's normal distribution with standard deviation 1.
+constexpr double k95 = 2.4477468306808161;
 
-// Factor at one frequency of a force that is sent at a tick, acts after the dead time, and is held for a
+// Factor on a force at one frequency: it is sent at a tick, acts after the dead time, and is held for a
 // period.
 Complex HeldDelay(double hz, double dead_time_s, double period_s) {
   const double half = 0.5 * kTwoPi * hz * period_s;
   return std::polar(half > 0.0 ? std::sin(half) / half : 1.0, -kTwoPi * hz * dead_time_s - half);
 }
 
-// The joints' displacement by torques on them at one frequency [rad/N m].
+// Displacement of the joints per torque on them, at one frequency [rad/N m].
 Matrix7c ComplianceOf(const ImpedanceArm& arm, double hz) {
   const double w = kTwoPi * hz;
   const Matrix7c stiffness = arm.stiffness.cast<Complex>() + Complex(0.0, w) * arm.damping.cast<Complex>() -
@@ -72,12 +73,12 @@ MeasuredOverlay::MeasuredOverlay(const OverlayLoopParams& model, const MeasuredO
     const double hz =
         kLowest_hz * std::pow(0.5 / (period_s_ * kLowest_hz), static_cast<double>(i) / (kPoints - 1));
     const MeasuredPlant::RatioAt ratio = plant.RatioToModel(hz);
-    // The response to a constant force is real: below the lowest line its phase goes to 0.
+    // The response to a constant force is real. So below the lowest line its phase falls to 0.
     const Complex factor =
         std::polar(std::abs(ratio.value), std::arg(ratio.value) * std::min(1.0, hz / plant.lowest_hz()));
     const Matrix7c C = ComplianceOf(arm, hz);
     const Vector7c moved = C * a;
-    // the part of C that acts only along the measured axis
+    // The part of the compliance C that acts along the measured axis.
     const Matrix7c along = moved * (a.transpose() * C) / (a.transpose() * moved)(0);
     points_.push_back({.hz = hz,
                        .z = std::polar(1.0, kTwoPi * hz * period_s_),
@@ -104,8 +105,9 @@ MeasuredOverlay::Evaluation MeasuredOverlay::Evaluate(const OverlayLoopParams& l
   evaluation.curve.reserve(points_.size());
   double angle = 0.0;
   Complex last_determinant = 1.0;
-  // At each frequency: the loop of wall and damping along the axis (law), with all else closed
-  // around the arm (other_stiffness); by_ratio is the change of L by a relative change of the measured G.
+  // At each frequency, `law` is the loop of the wall and of the damping along the axis. `other_stiffness` is
+  // everything else that acts on the arm, with its loop closed. `by_ratio` is the change of L per relative
+  // change of the measured G.
   for (const Point& at : points_) {
     const double w = kTwoPi * at.hz;
     const Complex one_tick_late = 1.0 / at.z;

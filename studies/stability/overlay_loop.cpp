@@ -19,13 +19,14 @@ using Joints = kinematics::JointVectorN<7>;
 using Chain = kinematics::SerialChain<7>;
 
 constexpr double kLever2_m2 = OverlayLoop::lever2_m2();
-// Speed above which the motion counts as grown: some fifty times that of the push. Beyond it, the drives'
-// limits would keep the motion from growing.
+// The motion counts as grown above this speed, which is some fifty times that of the push. At higher speeds
+// the drives' limits would keep the motion from growing.
 constexpr double kGrown_m_per_s = 0.1;
-// In the simulation: the hand's force on the wall, and force and length of the push that starts the motion.
+// In the simulation: the hand's steady force on the wall; force and duration of the push that starts the
+// motion.
 constexpr double kPreload_N = 20.0, kPush_N = 1.0, kPush_s = 0.01;
 
-// Matrix for a twist (v, w) with these factors along the axes of a frame that R rotates.
+// A matrix for twists (v, w) with these factors along the axes of a frame; R is the frame's rotation.
 Matrix6 RotatedDiagonal(const Matrix3& R, const Vector3& linear, const Vector3& turning) {
   Matrix6 M = Matrix6::Zero();
   M.topLeftCorner<3, 3>() = R * linear.asDiagonal() * R.transpose();
@@ -79,8 +80,8 @@ OverlayLoop::OverlayLoop(const OverlayLoopParams& params) : params_(params) {
   damping_ = RotatedDiagonal(X_BT.linear(), params.law.damping_Ns_per_m, params.law.damping_Nms_per_rad);
   hand_k_ = DiagonalOfTwist(params.hand.stiffness_N_per_m, kLever2_m2 * params.hand.stiffness_N_per_m);
   hand_b_ = DiagonalOfTwist(params.hand.damping_Ns_per_m, kLever2_m2 * params.hand.damping_Ns_per_m);
-  // State: q, qd; equilibrium; pose a tick ago; filtered velocity; torques sent but not yet acting; depths in
-  // the wall a tick ago and earlier
+  // State: q, qd; the equilibrium; the pose a tick ago; the filtered velocity; torques that were sent and do
+  // not act yet; depths in the wall in earlier ticks
   size_ = 14 + 7 + 6 + 6 + 7 * params.arm.dead_cycles + params.wall.age_ticks;
 }
 
@@ -92,7 +93,7 @@ Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
   const Eigen::Matrix<double, 7, 1> q = s.head<7>(), qd = s.segment<7>(7);
   const Vector6 pose = J_ * q;
 
-  // the law: equilibrium, filtered velocity, wall and damping
+  // Step the law: equilibrium, filtered velocity, wall and damping.
   const double follow = T / (T + params_.law.follow_s);
   const Eigen::Matrix<double, 7, 1> equilibrium =
       s.segment<7>(equilibrium_at) + follow * (q - s.segment<7>(equilibrium_at));
@@ -105,7 +106,8 @@ Eigen::VectorXd OverlayLoop::Step(const Eigen::VectorXd& s) const {
   overlay.head<3>() -= params_.wall.stiffness_N_per_m * wall_depth * axis_B_;
   const Eigen::Matrix<double, 7, 1> sent = follow_ * equilibrium + J_.transpose() * overlay;
 
-  // the arm by a period, with the torque that was sent the dead time ago and the hand's present force
+  // Step the arm by a period. The torque is the one that was sent a dead time ago; the hand's force is the
+  // present one.
   const Eigen::Matrix<double, 7, 1> acting =
       dead == 0 ? sent : Eigen::Matrix<double, 7, 1>(s.segment<7>(sent_at + 7 * (dead - 1)));
   const Vector6 hand = -hand_k_ * pose - hand_b_ * (J_ * qd);
@@ -128,8 +130,8 @@ Eigen::MatrixXd OverlayLoop::Matrix() const {
 namespace {
 
 // The arm's parameters for a simulation in which the chain carries the hand's mass. DynamicArm derives its
-// damping from all masses; the damping must be that without the hand. The Cartesian damping is corrected
-// through its ratio, and the joints' damping by a torque (see OverlayRun).
+// damping from all masses, but the damping must be that without the hand. So the Cartesian damping is
+// corrected by its ratio, and the joints' damping by a torque (see OverlayRun).
 hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
   ImpedanceArmParams without_hand = OwnArm(params), with_hand = without_hand;
   with_hand.chain = WithHand(params);
@@ -141,15 +143,15 @@ hil::DynamicArmParams LoadedArm(const OverlayLoopParams& params) {
   return arm;
 }
 
-// The joints' damping that DynamicArm derives from a chain's masses.
+// The joints' damping that DynamicArm derives from the masses of a chain.
 Joints JointDamping(const kinematics::ChainParams<7>& chain, const OverlayLoopParams& params) {
   const Joints inertia = Chain(chain, params.gravity_B).MassMatrix(params.q).diagonal();
   return 2.0 * params.arm.joint_damping_ratio *
          params.arm.stiffness_Nm_per_rad.cwiseProduct(inertia).cwiseSqrt();
 }
 
-// Simulates the shipped parts in time. A period has kParts steps of the arm, so that the torque that corrects
-// the joints' damping follows the joints' speed.
+// Simulates the shipped parts in time. A period is divided into kParts steps of the arm, so that the torque
+// that corrects the joints' damping follows the joints' speed.
 class OverlayRun {
  public:
   static constexpr int kParts = 10;
@@ -180,12 +182,14 @@ class OverlayRun {
           Vector3(X_rest_.translation() - preload_N_ / params.wall.stiffness_N_per_m * feed_B);
     past_.assign(static_cast<std::size_t>(params.wall.age_ticks) + 1, X_rest_);
     sent_.assign(static_cast<std::size_t>(params.arm.dead_cycles) + 1, drive_);
-    // The arm rests under the wall's force from the first tick on, whatever the dead time.
+    // Pass the dead time without the preload, so that the wall's force and the preload begin in the same tick
+    // and balance.
     for (int i = 0; i < params.arm.dead_cycles; ++i) Advance(0.0, true);
   }
 
-  // Simulates a period with a push by the hand. @returns the size of the tool's velocity [m/s], in which a
-  // rotation counts by the lever of a grip. @param resting  leaves out the hand's preload
+  // Simulates a period with a push by the hand. @returns the size of the tool's velocity [m/s]; a rotation is
+  // converted by the lever of a grip.
+  // @param resting  true: the hand's preload is left out
   double Advance(double push_N, bool resting = false) {
     const double T = params_.period_s;
     const Pose X_BT = chain_.FlangePose(arm_.q()) * params_.X_FT;
@@ -221,7 +225,7 @@ class OverlayRun {
   }
 
  private:
-  // Moves the arm by a period with the command of dead_cycles ago.
+  // Moves the arm by a period, with the command that was sent dead_cycles ticks ago.
   void Move(const Wrench& hand_wrench) {
     std::rotate(sent_.rbegin(), sent_.rbegin() + 1, sent_.rend());
     sent_.front() = drive_;
@@ -232,7 +236,7 @@ class OverlayRun {
     }
   }
 
-  // Force of the shipped coupling at the pose of age_ticks ago, in B.
+  // Force of the shipped coupling at the pose of age_ticks ticks ago, in B.
   Vector3 Wall() {
     if (!(params_.wall.stiffness_N_per_m > 0.0)) return Vector3::Zero();
     ++tick_;
@@ -247,7 +251,7 @@ class OverlayRun {
   OverlayLoopParams params_;
   Chain chain_;
   hil::DynamicArm arm_;
-  Joints excess_damping_;            // of the arm's joints, due to the hand's mass
+  Joints excess_damping_;            // excess of the joints' damping, due to the hand's mass
   std::vector<hil::ArmDrive> sent_;  // commands, newest first
   control::MeasuredTwist twist_;
   Pose X_rest_;
@@ -265,7 +269,8 @@ class OverlayRun {
 bool OverlayGrows(const OverlayLoopParams& params, double seconds) {
   OverlayRun run(params);
   const int ticks = static_cast<int>(seconds / params.period_s), third = ticks / 3;
-  double middle = 0.0, last = 0.0;  // sums of speed² over the middle and the last third of the run
+  // sums of the squared speed over the middle third and the last third of the run
+  double middle = 0.0, last = 0.0;
   for (int k = 0; k < ticks; ++k) {
     const double speed = run.Advance(k * params.period_s < kPush_s ? kPush_N : 0.0);
     if (!std::isfinite(speed) || speed > kGrown_m_per_s) return true;

@@ -29,9 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kProgressLines = 20;  // printed at most, whatever the number of runs
+constexpr std::size_t kProgressLines = 20;  // maximum number of printed lines of progress
 
-// A run's parameters: the overrides of --set, then the sweep's values of this run.
+// Returns a run's parameters: the overrides of --set, then the sweep's values for this run.
 ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run,
                            const SweepOptions& options) {
   ScenarioRunParams params{.device = options.device, .set = options.set, .stop = &base::Interrupted()};
@@ -39,7 +39,7 @@ ScenarioRunParams ParamsOf(const config::SweepConfig& sweep, const SweepRun& run
   return params;
 }
 
-// Makes the run with this index. An error is kept in the outcome.
+// Makes the run with this index. If it fails, the outcome contains the error.
 SweepOutcome RunOne(const config::SweepConfig& sweep, const config::ScenarioConfig& scenario,
                     std::size_t index, const SweepOptions& options) {
   SweepOutcome outcome{.run = SweepRunAt(sweep, index)};
@@ -61,7 +61,8 @@ SweepOutcome RunOne(const config::SweepConfig& sweep, const config::ScenarioConf
   return outcome;
 }
 
-// Makes all runs, or those of the shard, several at a time. @returns their outcomes in the order of the runs.
+// Makes all runs, or those of the shard, several in parallel. @returns their outcomes in the order of the
+// runs.
 std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config::ScenarioConfig& scenario,
                                  const SweepOptions& options, StudyItems& items) {
   std::vector<std::size_t> indices;
@@ -86,7 +87,8 @@ std::vector<SweepOutcome> RunAll(const config::SweepConfig& sweep, const config:
   return outcomes;
 }
 
-// Everything that runs depend on: options, and the files of sweep, scenario and cell by name and content.
+// Everything that the runs depend on: options, and the files of sweep, scenario and cell, by name and
+// content.
 std::string InputsOf(const config::ConfigFileTracker& tracker, const SweepOptions& options) {
   std::string text = fmt::format("device {} set {}\n", options.device, fmt::join(options.set, " "));
   for (const config::ConfigFileTracker::File& file : tracker.files())
@@ -110,7 +112,7 @@ tl::expected<void, std::string> WriteResults(const SweepResult& result, const Sw
   return {};
 }
 
-// The error of the options; empty: none.
+// Returns the error of the options; empty: there is none.
 std::string WrongOptions(const SweepOptions& options) {
   if (std::string wrong = ValidateSharding(options.sharding, options.json); !wrong.empty()) return wrong;
   if (std::string wrong = session::ValidateOutputFolder("--out", options.out); !wrong.empty()) return wrong;

@@ -14,10 +14,10 @@
 namespace osteon::studies {
 namespace {
 
-// With more combinations than this, a distribution has a single curve of all runs.
+// With more combinations than this, the chart of a distribution has a single curve for all runs.
 constexpr std::size_t kMaxCurves = 8;
 
-// The number that is the whole text; empty if the text is anything else.
+// Returns the number if the whole text is a number; otherwise nothing.
 std::optional<double> NumberFrom(const std::string& text) {
   double value = 0.0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -25,13 +25,14 @@ std::optional<double> NumberFrom(const std::string& text) {
   return value;
 }
 
-// Whether a figure differs between runs at all: bone is not removed on a rigid plane.
+// Whether a figure differs between the runs. On a rigid plane, for example, no bone is removed in any run.
 bool Varies(const SweepResult& result, const SweepFigure& figure) {
   const Quantiles q = QuantilesOf(ValuesOf(result.outcomes, figure));
   return q.max > q.min;
 }
 
-// Draws the share of runs at or below each value: one curve for each combination, or a single one of all.
+// Draws the share of runs with at most a value, over the value: one curve for each combination, or a single
+// curve for all runs.
 report::LineChart Distribution(const SweepResult& result, const SweepFigure& figure) {
   report::LineChart chart{.title = fmt::format("Distribution of the {}", figure.label),
                           .x_label = std::string(figure.label),
@@ -54,8 +55,8 @@ report::LineChart Distribution(const SweepResult& result, const SweepFigure& fig
   return chart;
 }
 
-// Draws a figure of every run over one parameter's value, with medians if the values are listed. Empty if the
-// parameter has no numbers.
+// Draws a figure of every run over the value of one parameter, with medians if the parameter's values are
+// listed. Empty if the parameter has no numbers.
 std::optional<report::LineChart> OverParameter(const SweepResult& result, std::size_t parameter,
                                                const SweepFigure& figure) {
   const config::SweepParameter& p = result.config.parameters[parameter];

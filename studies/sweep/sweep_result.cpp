@@ -17,7 +17,7 @@ namespace {
 using config::SweepDraw;
 using Json = nlohmann::ordered_json;
 
-// The quantiles of each figure over these outcomes.
+// JSON of the quantiles of each figure over these outcomes.
 Json QuantilesJson(std::span<const SweepOutcome> outcomes) {
   Json json = Json::object();
   for (const SweepFigure& figure : kSweepFigures) {
@@ -28,7 +28,7 @@ Json QuantilesJson(std::span<const SweepOutcome> outcomes) {
   return json;
 }
 
-// The number of runs that had each fault.
+// JSON of the number of runs that had each fault.
 Json FaultsJson(std::span<const SweepOutcome> outcomes) {
   std::map<std::string, std::size_t> counts;
   for (const SweepOutcome& outcome : outcomes)
@@ -50,7 +50,7 @@ std::size_t CountFaulted(std::span<const SweepOutcome> outcomes) {
       std::ranges::count_if(outcomes, [](const SweepOutcome& o) { return !o.faults.empty(); }));
 }
 
-// How a parameter gets its values, for example "uniform 1 to 3".
+// Says how a parameter gets its values, for example "uniform 1 to 3".
 std::string TakesText(const config::SweepParameter& p) {
   switch (p.draw) {
     case SweepDraw::kListed:
@@ -65,7 +65,7 @@ std::string TakesText(const config::SweepParameter& p) {
   return "";
 }
 
-// The run's value of each listed parameter, and with drawn_too of each drawn one.
+// JSON of a run's value of each listed parameter; with drawn_too also of each drawn parameter.
 Json ValuesJson(const SweepResult& result, const SweepRun& run, bool drawn_too) {
   Json json = Json::object();
   for (std::size_t i = 0; i < run.values.size(); ++i)
@@ -145,7 +145,8 @@ std::string SweepTable(const SweepResult& result) {
   for (const auto& group : groups) {
     text += fmt::format("{:<{}} {:>5} {:>6} ", NameOfCombination(result, group.front()), width, group.size(),
                         CountFaulted(group));
-    for (const std::size_t figure : {0u, 2u, 4u}) {  // those of the heading, in kSweepFigures
+    // indices in kSweepFigures of the three figures that the heading names
+    for (const std::size_t figure : {0u, 2u, 4u}) {
       const Quantiles q = QuantilesOf(ValuesOf(group, kSweepFigures[figure]));
       text += fmt::format("{:>9.2f} {:>8.2f}", q.median, q.p95);
     }

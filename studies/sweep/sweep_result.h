@@ -17,10 +17,10 @@ namespace osteon::studies {
 /// The outcome of a run.
 struct SweepOutcome {
   SweepRun run{};
-  std::string error{};                ///< why there are no figures; empty if there are some
+  std::string error{};                ///< why there are no figures; empty: there are figures
   std::string ended{};                ///< how the run ended
-  std::vector<std::string> faults{};  ///< names, in their order
-  std::string hash{};                 ///< over every bit of every tick
+  std::vector<std::string> faults{};  ///< names, in the order in which they occurred
+  std::string hash{};                 ///< hash over every bit of every tick
   RunFigures figures{};
 };
 
@@ -28,10 +28,10 @@ struct SweepOutcome {
 struct SweepResult {
   config::SweepConfig config;
   std::string scenario;
-  std::vector<SweepOutcome> outcomes{};  ///< by index, all of them or a shard's
+  std::vector<SweepOutcome> outcomes{};  ///< in the order of the runs: all of them, or those of a shard
 };
 
-/// A figure of a run, with its unit at the name's end.
+/// A figure of a run; its name ends in its unit.
 struct SweepFigure {
   std::string_view name, label;
   double RunFigures::*value;
@@ -43,32 +43,32 @@ inline constexpr std::array kSweepFigures{
     SweepFigure{"peak_tool_speed_mm_per_s", "peak tool speed [mm/s]", &RunFigures::peak_tool_speed_mm_per_s},
     SweepFigure{"removed_mm3", "bone removed [mm³]", &RunFigures::removed_mm3}};
 
-/// Quantiles by nearest rank.
+/// Quantiles, by the nearest-rank method.
 struct Quantiles {
   double min{0.0}, p05{0.0}, median{0.0}, p95{0.0}, max{0.0};
 };
 /// @returns zeros if there is no value.
 [[nodiscard]] Quantiles QuantilesOf(std::vector<double> values);
 
-/// The figure's values, of all outcomes that have figures.
+/// The values of a figure, from all outcomes that have figures.
 [[nodiscard]] std::vector<double> ValuesOf(std::span<const SweepOutcome> outcomes, const SweepFigure& figure);
 
-/// An outcome as an item of a part.
+/// Converts an outcome to a JSON item of a part file (studies/sharding).
 [[nodiscard]] nlohmann::json SweepItem(const SweepOutcome& outcome);
-/// @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
+/// Converts an item back. @throws nlohmann::json::exception or std::invalid_argument if the item is damaged.
 [[nodiscard]] SweepOutcome SweepOutcomeFrom(const nlohmann::json& item, const config::SweepConfig& sweep,
                                             std::size_t index);
 
-/// Text for the terminal: a line for each combination, then one for each run that could not be made.
+/// Text for the terminal: a line for each combination, then a line for each run that could not be made.
 [[nodiscard]] std::string SweepTable(const SweepResult& result);
-/// JSON, schema osteon.sweep/1. It has no times: two runs give the same text.
+/// JSON, schema osteon.sweep/1. It contains no computing times, so two runs of a sweep give the same text.
 [[nodiscard]] std::string SweepJson(const SweepResult& result);
 /// CSV: a line for each run.
 [[nodiscard]] std::string SweepCsv(const SweepResult& result);
 
-/// The outcomes of a whole sweep, one span for each combination, in the order of the combinations.
+/// The outcomes of a whole sweep, grouped: one span for each combination, in the order of the combinations.
 [[nodiscard]] std::vector<std::span<const SweepOutcome>> ByCombination(const SweepResult& result);
-/// "stiffness_N_per_mm 10, tremor_N drawn": the values by which a combination differs.
+/// The values by which a combination differs from the others: "stiffness_N_per_mm 10, tremor_N drawn".
 [[nodiscard]] std::string NameOfCombination(const SweepResult& result, const SweepOutcome& outcome);
 
 }  // namespace osteon::studies

@@ -13,12 +13,12 @@ namespace {
 
 using config::SweepDraw, config::SweepParameter;
 
-// Random numbers by a counter: Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA
-// 2014.
+// Random numbers from a counter (Steele, Lea, Flood: Fast Splittable Pseudorandom Number Generators, OOPSLA
+// 2014).
 class SplitMix64 {
  public:
   explicit SplitMix64(std::uint64_t state) : state_(state) {}
-  // Uniform, above 0 and at most 1.
+  // Returns a uniformly distributed number, above 0 and at most 1.
   double Next() {
     state_ += 0x9e3779b97f4a7c15u;
     std::uint64_t z = state_;
@@ -31,7 +31,7 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-// A parameter's value for a seed, as text. It depends only on the parameter's key and the seed.
+// Draws a parameter's value for a seed, as text. It depends only on the parameter's key and the seed.
 std::string DrawnValue(const SweepParameter& parameter, int seed) {
   if (parameter.draw == SweepDraw::kSeed) return std::to_string(seed);
   base::Fnv1a hash;
@@ -41,7 +41,7 @@ std::string DrawnValue(const SweepParameter& parameter, int seed) {
   const double first = random.Next(), second = random.Next();
   if (parameter.draw == SweepDraw::kUniform)
     return fmt::format("{:.10g}", parameter.low + (parameter.high - parameter.low) * first);
-  // Box and Muller, 1958
+  // normally distributed number by Box and Muller, 1958
   const double normal = std::sqrt(-2.0 * std::log(first)) * std::cos(2.0 * std::numbers::pi * second);
   return fmt::format("{:.10g}", parameter.mean + parameter.sd * normal);
 }
@@ -54,7 +54,8 @@ SweepRun SweepRunAt(const config::SweepConfig& sweep, std::size_t index) {
                .combination = index / seeds,
                .seed = static_cast<int>(index % seeds) + 1,
                .values = std::vector<std::string>(sweep.parameters.size())};
-  // the combination's digits, each in the base of its parameter's number of values; the last runs fastest
+  // The index of the combination is a number whose digits are the indices of the listed values. The last
+  // listed parameter is the last digit, which changes fastest.
   std::size_t rest = run.combination;
   for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
     const SweepParameter& parameter = sweep.parameters[i];
@@ -77,7 +78,8 @@ std::vector<std::string> AssignmentsOf(const config::SweepConfig& sweep, const S
 
 std::vector<std::size_t> RunsWithEachValue(const config::SweepConfig& sweep) {
   std::vector<std::size_t> runs{0};
-  // runs from one value of a parameter to its next, with all other parameters at their first value
+  // distance of the runs for two successive values of a parameter, with all other parameters at their first
+  // value
   auto stride = static_cast<std::size_t>(sweep.seeds);
   for (std::size_t i = sweep.parameters.size(); i-- > 0;) {
     const std::size_t count = sweep.parameters[i].values.size();

@@ -26,13 +26,14 @@ void Require(const char* name, double value, double low, double high) {
                                 ", accepted " + base::NumberText(low) + " … " + base::NumberText(high));
 }
 
-// Least-squares fit of bias, drift, sine and cosine to a uniformly sampled signal, and its residual.
+// Result of fitting bias, drift, sine and cosine to a uniformly sampled signal by least squares, and the
+// residual.
 struct SineFit {
-  std::complex<double> phasor;  // value = Re(phasor exp(i w t))
+  std::complex<double> phasor;  // fitted value = Re(phasor exp(i w t))
   double residual_rms{0.0};
 };
 
-// Fits the values from index `first` on. @param w  angular frequency [rad/s]
+// Fits the values with index `first` and later. @param w  angular frequency [rad/s]
 SineFit FitSine(const std::vector<double>& values, double w, double dt_s, std::size_t first) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
@@ -88,7 +89,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   const Pose X_WT_start = tool_pose();
   const Pose X_TF = params.X_FT.inverse();
   const Vector3 u_W = X_WT_start.linear().col(shake.axis % 3);
-  const bool turns = shake.axis >= 3;  // shakes about the axis instead of along it
+  const bool turns = shake.axis >= 3;  // the load is a torque about the axis, not a force along it
 
   simulation::ContactModel model;
   if (wall) {
@@ -104,7 +105,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   control::ArmCommand command;
   struct Load {
     Wrench F_T_W;
-    Twist V_WT, A_WT;  // of the tool, whose inertia the sensor feels
+    Twist V_WT, A_WT;  // motion of the tool, since the sensor measures the tool's inertia
   };
   std::vector<Load> loads(static_cast<std::size_t>(params.sensor_delay_ticks) + 1);  // newest first
   const auto tool_twist = [&]() -> Twist {
@@ -117,13 +118,13 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
   HandlePoint point;
   point.frequency_hz = shake.frequency_hz;
   for (std::size_t i = 0; i < count; ++i) {
-    // the tool's motion since the start, along or about the shaken axis
+    // Store the tool's motion since the start, along or about the shaken axis.
     const Pose X_WT = tool_pose();
     const Vector3 d_W = X_WT.translation() - X_WT_start.translation();
     const Eigen::AngleAxisd turn(X_WT.linear() * X_WT_start.linear().transpose());
     motion.push_back(u_W.dot(turns ? Vector3(turn.angle() * turn.axis()) : d_W));
 
-    // the hand's wrench, and the sensor's reading of an earlier load
+    // Compute the hand's wrench, and the sensor's reading of the load sensor_delay_ticks ago.
     const double value = shake.bias + shake.amplitude * std::cos(w * static_cast<double>(i) * dt_s);
     Wrench F_T_W;
     (turns ? F_T_W.t : F_T_W.f) = value * u_W;
@@ -138,7 +139,7 @@ HandlePoint Shake(const HandleBenchParams& params, const HandleShake& shake,
       F_S = hil::SubtractInertia(servo.sensor, F_S,
                                  {.X_WT = X_WT, .X_WF = X_WF, .V_WT = felt.V_WT, .A_WT = felt.A_WT});
 
-    // a tick of the shipped loop, then a period of the arm with its command
+    // Run a tick of the shipped loop, then move the arm by a period with the loop's command.
     const rt::Nanoseconds now = rt::kSecond + static_cast<rt::Nanoseconds>(i) * period_ns;
     state.stamp = now;
     ++state.sequence;
@@ -191,7 +192,8 @@ std::vector<HandlePoint> SweepFree(const HandleBenchParams& params, const Handle
 }
 
 HandleFit FitMassAndDrag(const std::vector<HandlePoint>& points, double max_hz) {
-  // real and imaginary part are fitted separately: b to Re Z, m w to Im Z, each weighted by 1 / |Z|
+  // Real and imaginary part are fitted separately: b to Re Z, m w to Im Z. Each residual is weighted by 1 /
+  // |Z|.
   double drag = 0.0, drag_weight = 0.0, mass = 0.0, mass_weight = 0.0;
   for (const HandlePoint& point : points) {
     if (point.frequency_hz > max_hz || point.fault) continue;

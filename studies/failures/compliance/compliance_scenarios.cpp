@@ -19,18 +19,18 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kTick_s = 1e-3;
 constexpr double kK_N_per_m = 20e3;  // stiffness of a hard plane
 
-// A contact plane with a weight of 0.5, as each of two equal planes has.
+// A contact plane with weight 0.5: each of two equal planes has this weight.
 simulation::Contact Plane(const Vector3& p_W, const Vector3& n_W, double stiffness_N_per_m) {
   simulation::Contact plane = PlaneAt(p_W, n_W, stiffness_N_per_m);
   plane.weight = 0.5;
   return plane;
 }
 
-// The shipped coupling with compliance, on planes that are fresh in every tick. Sums the work of the planes
+// The shipped coupling with compliance, on planes that are renewed in every tick. Sums the work of the planes
 // on the tool by the trapezoidal rule.
 class ComplianceBench {
  public:
-  // @param has_lever_arm  false: the torque on the tool lacks the lever arm of the displaced head
+  // @param has_lever_arm  false: the torque on the tool ignores the lever arm of the displaced head
   explicit ComplianceBench(const control::ComplianceParams& params, bool has_lever_arm = true)
       : compliance_(params, kTick_s), has_lever_arm_(has_lever_arm) {
     coupling_.max_stiffness_N_per_m = 1e6;
@@ -56,7 +56,7 @@ class ComplianceBench {
     compliance_.Step(out.F_contact_T_W, model, X_WT);
     return F_T_W.f;
   }
-  /// Work that the planes have given to the tool.
+  /// Work that the planes have done on the tool so far.
   [[nodiscard]] double given_J() const { return given_J_; }
 
  private:
@@ -70,7 +70,7 @@ class ComplianceBench {
   int tick_{0};
 };
 
-// A linear layer: its whole area is engaged at once.
+// A layer whose stiffness does not change with the force: its whole area is engaged at once.
 control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
   control::SurfaceLayerParams layer;
   layer.engaged_layer_m = 1e-6;
@@ -81,9 +81,9 @@ control::SurfaceLayerParams LinearLayer(double stiffness_N_per_m) {
   return layer;
 }
 
-// Work that the planes give in the last of three turns along a closed path.
-// @param path    pose of the tool by the number of turns
-// @param series  receives the work [mJ] over that last turn
+// Returns the work that the planes do on the tool in the last of three rounds of a closed path.
+// @param path    pose of the tool as a function of the number of rounds
+// @param series  receives the work [mJ] over the last round
 template <class Path>
 double GivenInATurn_J(ComplianceBench& bench, std::span<const simulation::Contact> planes, double turn_s,
                       const Path& path, FailureSeries& series) {
@@ -121,7 +121,7 @@ FailureResult RunTwoSprings(const FailureSetting& setting) {
   const double third = std::numbers::pi / 3.0;
   const Vector3 n_1 = Vector3::UnitZ(), n_2(std::sin(third), 0.0, std::cos(third));
   const Vector3 centre = -3e-3 * (n_1 + n_2).normalized();
-  // turn in the direction in which the force field's curl gives work
+  // the circle's direction is that in which the curl of the force field does positive work on the tool
   const auto circle = [&](double turn) {
     return PoseAt(centre + 1e-3 * Vector3(std::cos(kTwoPi * turn), 0.0, std::sin(kTwoPi * turn)));
   };
@@ -160,7 +160,7 @@ FailureResult RunStaleStiffness(const FailureSetting& setting) {
   layer.max_area_m2 = std::numbers::pi * kRadius_m * kRadius_m;
   const control::LayerContact touch{.kappa_N_per_m3 = 0.06e9, .share = 1.0, .area_m2 = layer.touch_area_m2};
   const auto depth_m = [&](double cycle) { return 2e-3 + 1.5e-3 * std::sin(kTwoPi * cycle); };
-  // the force of spring and layer in series at rest, by bisection
+  // the force at rest of the coupling's spring and the layer in series, found by bisection
   const auto rest_N = [&](double deep_m) {
     double low_N = 0.0, high_N = kK_N_per_m * deep_m;
     for (int i = 0; i < 60; ++i) {
@@ -169,11 +169,12 @@ FailureResult RunStaleStiffness(const FailureSetting& setting) {
     }
     return low_N;
   };
-  const int ticks = static_cast<int>(std::lround(8.0 / (kHz * kTick_s)));  // 8 cycles: whole frames
+  // ticks of 8 cycles, a whole number of frames
+  const int ticks = static_cast<int>(std::lround(8.0 / (kHz * kTick_s)));
   FailureSeries baseline{.name = "secant by frames"}, ours{.name = "ours", .ours = true};
   double secant_N_per_m = 0.0, layer_m = 0.0;  // layer_m: displacement of our layer
   double baseline_J = 0.0, ours_J = 0.0, baseline_before_N = 0.0, ours_before_N = 0.0;
-  for (int i = 0; i <= 2 * ticks; ++i) {  // the first 8 cycles settle, the next 8 count
+  for (int i = 0; i <= 2 * ticks; ++i) {  // the first 8 cycles let the transient decay, the next 8 are judged
     const double cycle = kHz * kTick_s * i, deep_m = depth_m(cycle);
     const double deeper_m = deep_m - depth_m(cycle - kHz * kTick_s);
     if (i % kFrameTicks == 0) secant_N_per_m = rest_N(deep_m) / deep_m;
@@ -218,13 +219,14 @@ FailureResult RunBentArm(const FailureSetting& setting) {
   const double tilt = std::numbers::pi / 9.0;
   const Vector3 n(std::sin(tilt), 0.0, std::cos(tilt));
   const simulation::Contact plane[]{Plane(Vector3::Zero(), n, 60e3)};
-  // The depth oscillates, and the rotation about the plane's slope follows a quarter of a turn later.
+  // The depth oscillates, and the rotation about the plane's slope follows with a delay of a quarter of a
+  // period.
   const auto path = [&](double turn) {
     return PoseAt((-1.5e-3 + 0.7e-3 * std::sin(kTwoPi * turn)) * n,
                   {0.0, 0.05 * std::cos(kTwoPi * turn), 0.0});
   };
-  // As slow as a hand: the element's own loss fades with the speed; the work of the missing lever arm does
-  // not.
+  // Slow, as a hand moves: the work that the tool's own damping takes decreases with the speed, whereas the
+  // work of the missing lever arm does not.
   const double turn_s = setting.full() ? 200.0 : 100.0;
   FailureSeries baseline{.name = "rigid arm"}, ours{.name = "ours", .ours = true};
   ComplianceBench rigid_arm({.tool = drill}, false);

@@ -13,10 +13,12 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kTick_s = 1e-3, kPush_N = 120.0, kPushRise_s = 1.0;
-constexpr double kPlanned_m = 2e-3;          // depth of the hole
-constexpr double kSpindleStop_m = 1e-3;      // the spindle stops that far before the bound
-constexpr double kSoft_m = 3e-3;             // the limit resists from that far before the bound on
-constexpr double kImpedance_N_per_m = 10e3;  // stable for an overlay of 4 ms with 40 N s/m of damping
+constexpr double kPlanned_m = 2e-3;  // depth of the hole
+// The spindle stops at this distance before the bound of the depth limit.
+constexpr double kSpindleStop_m = 1e-3;
+constexpr double kSoft_m = 3e-3;  // the depth limit resists from this distance before its bound on
+// The impedance law with an overlay of 4 ms and 40 N s/m of damping is stable with it.
+constexpr double kImpedance_N_per_m = 10e3;
 constexpr int kMaxTicks = 20'000, kTicksAfterStop = 300;  // ticks in all, and ticks after the spindle stopped
 
 constexpr double kAbove_m = 0.05e-3;  // height of the apex over the bone at the beginning
@@ -29,14 +31,15 @@ struct HoleResult {
   FailureSeries series;
 };
 
-// The loop with a depth limit that stops the spindle where the proxy is at the planned depth.
+// The loop with a depth limit that stops the spindle when the proxy is at the planned depth.
 control::ServoParams Loop(control::Law law, double stiffness_N_per_m, const Pose& X_WG,
                           const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
   control::ServoParams loop = LoopOfLaw(law, stiffness_N_per_m);
   if (law == control::Law::kAdmittance) loop.admittance.damping_Ns_per_m.setConstant(100.0);
   loop.compliance.mount = mount;
   if (mount) loop.compliance.mount->p_WMo_m = X_WG.translation();
-  // A pressed tool is ahead of its proxy: by the push, less the limit's resistance where the spindle stops.
+  // A pressed tool is ahead of its proxy by the coupling's deflection under the push, less the depth limit's
+  // resistance at the spindle's stop.
   const double ahead_m = (kPush_N - stiffness_N_per_m * (kSoft_m - kSpindleStop_m)) / stiffness_N_per_m;
   loop.depth = {.acts = true,
                 .bound = {.shape = safety::ZoneShape::kHalfSpace,
@@ -50,9 +53,9 @@ control::ServoParams Loop(control::Law law, double stiffness_N_per_m, const Pose
   return loop;
 }
 
-// Presses a turning burr into the bone until kTicksAfterStop after the limit has stopped the spindle.
-// @param mount          none: the bone is at rest
-// @param rides_on_bone  the depth limit moves with the bone; false: it rests in the world
+// Presses a turning burr into the bone until kTicksAfterStop after the depth limit has stopped the spindle.
+// @param mount          none: the bone is fixed in the world
+// @param rides_on_bone  the depth limit moves with the bone; false: it is fixed in the world
 HoleResult Ream(const FailureSetting& setting, const simulation::Bone& bone, control::Law law,
                 const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
   const Pose X_WG = BoneOfLawRide() * Eigen::Translation3d(0.0, 0.0, -kAbove_m);

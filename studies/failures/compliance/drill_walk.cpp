@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kTick_s = 1e-3, kPush_N = 60.0, kPushRise_s = 0.5, kTilt_rad = std::numbers::pi / 9.0;
 constexpr double kSpindle_rad_per_s = 104.7;  // 1000 rpm
-constexpr int kFine = 5;                      // ticks in a millisecond of the reference
-constexpr double kSeen_s = 1.5;               // when the hole's place is taken
+constexpr int kFine = 5;                      // ticks per millisecond in the reference run
+constexpr double kSeen_s = 1.5;               // time at which the hole's place is measured
 constexpr double kCutting_J_per_m3 = 1.3e9;   // human femoral cortex (config/materials)
 
 constexpr double kAbove_m = 0.2e-3;  // distance along the axis between the apex and the place it is aimed at
@@ -63,7 +63,7 @@ Scene MakeScene(bool full, double stiffness_N_per_m) {
   return scene;
 }
 
-// The outcome of one hole.
+// The result of drilling one hole.
 struct HoleResult {
   double aside_m{0.0};  ///< distance of the head from the axis that it was aimed along, at kSeen_s
   bool fault{false};
@@ -78,8 +78,8 @@ Pose BoneUnderDrill() {
   return StartOfLawRide() * Down(-kAbove_m * feed_G, turn).inverse();
 }
 
-// The head's pose at which the drill's bending is in equilibrium with the force of the frame's planes. Found
-// by 60 steps, each of 15 % of the remaining difference.
+// Finds the head's pose at which the drill's bending is in equilibrium with the force of the frame's planes.
+// Takes 60 steps, each of 15 % of the remaining difference.
 Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
                 const simulation::ContactModel& model, const Pose& X_WT, rt::Nanoseconds now,
                 const control::CouplingState& state) {
@@ -97,8 +97,8 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
   return X_WT * control::BentHead(e);
 }
 
-// Drills again along a recorded path of the handle, without the servo loop: with a finer period, or with the
-// bending computed in another way. @param ticks_in_ms  number of ticks and frames per millisecond
+// Drills again with a recorded path of the handle, without the servo loop: with a shorter period, or with
+// another computation of the bending. @param ticks_in_ms  number of ticks and frames per millisecond
 HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
                       Bending bending, int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
@@ -110,7 +110,7 @@ HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const s
   control::Compliance compliance(parts, dt_s);
   control::CouplingParams coupling;
   coupling.max_stiffness_N_per_m = scene.cutting.stiffness_N_per_m;
-  coupling.damping_Ns_per_m = 0.0;  // the lag of the drill's bending dissipates energy
+  coupling.damping_Ns_per_m = 0.0;  // the lag of the drill's bending dissipates energy instead
   control::CouplingState state;
   state.fade = 1.0;
   HoleResult hole_result;
@@ -140,8 +140,9 @@ HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const s
   return hole_result;
 }
 
-// The servo loop with either law. The drill's handle is guided: under the admittance law by the locked axes
-// of the virtual tool, under the impedance law by a jig that holds the tool across its axis.
+// Drills through the servo loop with the admittance law or the impedance law. The drill's handle is guided:
+// under the admittance law by the locked axes of the virtual tool, under the impedance law by a jig that
+// holds the tool across its axis.
 HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control::Law law, bool bends) {
   const Pose X_start = StartOfLawRide();
   const auto engine = setting.make_engine(scene.bone, scene.tool, BoneUnderDrill(), scene.cutting);

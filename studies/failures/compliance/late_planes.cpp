@@ -17,10 +17,10 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3, kMount_hz = 15.0, kHeldPush_N = 60.0, kRise_s = 0.1;
-constexpr int kLateTicks = 20;  // delay of the baseline's planes
+constexpr int kLateTicks = 20;  // delay of the baseline's planes [ticks]
 constexpr int kRideTicks = 2500, kJudgedTicks = 500;
 
-// The outcome of one ride.
+// The result of one simulated run.
 struct Swing {
   double swing_m{0.0};  // range of the tool's motion along its feed, in the last half second
   bool fault{false};
@@ -36,15 +36,17 @@ control::BoneMountParams Mount() {
   return mount;
 }
 
-// Rides with a hand that presses steadily on the bone.
-// @param late  the planes move with the bone, 20 ms late; false: the loop itself computes the mount's motion
+// Simulates a hand that presses steadily on the bone.
+// @param late  the planes follow the bone's motion 20 ms late (the baseline); false: the loop itself computes
+// the mount's motion
 Swing Press(control::Law law, bool late) {
   const double wall_N_per_m = law == control::Law::kAdmittance ? 20e3 : 10e3;
   const Vector3 feed_W = StartOfLawRide().linear().col(2), p_W = StartOfLawRide().translation();
   const control::BoneMountParams mount = Mount();
   LawRideParams params{.loop = LoopOfLaw(law, wall_N_per_m), .seconds = kPeriod_s * kRideTicks};
   params.loop.spindle_rad_per_s = 0.0;
-  params.loop.coupling.damping_Ns_per_m = 0.0;  // this damping is capped: no analysis relies on it
+  // the stability analysis does not count on this damping, since it is capped
+  params.loop.coupling.damping_Ns_per_m = 0.0;
   if (!late) params.loop.compliance.mount = mount;
   control::BoneMountState bone;
   std::array<Vector3, kLateTicks> moved{};  // the bone's displacement in the last 20 frames, a ring
@@ -92,7 +94,8 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
                        .baseline_name = "planes that follow the bone 20 ms late",
                        .bound = 0.1};
   bool complete = true, fault = false, stopped = false;
-  double impedance_mm = 0.0;  // swing of the baseline: the arm's own damping limits it
+  // the baseline's swing with the impedance law: smaller, since the arm has damping of its own
+  double impedance_mm = 0.0;
   for (const control::Law law : {control::Law::kImpedance, control::Law::kAdmittance}) {
     const bool is_admittance = law == control::Law::kAdmittance;
     Swing late = Press(law, true), ours = Press(law, false);

@@ -19,7 +19,7 @@ using kinematics::JointVector;
 
 constexpr double kPeriod_s = 1e-3;
 
-// Joint angles [rad] at which every ride starts.
+// Joint angles [rad] at which every run starts.
 JointVector Start() { return (JointVector() << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3).finished(); }
 
 // The scenarios' arm with a tool of 2 kg on its flange.
@@ -29,14 +29,14 @@ kinematics::ChainParams<7> LoadedArm() {
       {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
-// The arm that a law commands: one that follows positions, or one with masses and a soft impedance of its
-// own.
+// The arm that a law commands: for the admittance law an arm that follows positions, for the impedance law an
+// arm with masses and a soft impedance controller of its own.
 std::unique_ptr<hil::SimulatedArm> ArmOf(Law law) {
   hil::SimulatedArmParams params{.lbr = ScenarioArm(), .chain = LoadedArm(), .q_start = Start()};
   params.p_FT_m = ScenarioTool().translation();
   if (law == Law::kImpedance) {
     params.level = hil::ArmLevel::kDynamic;
-    params.dynamic.stiffness_N_per_m = 500.0;  // a soft arm: the hand holds the tool
+    params.dynamic.stiffness_N_per_m = 500.0;  // a soft arm, so that the hand holds the tool
     params.dynamic.stiffness_Nm_per_rad_turn = 50.0;
   }
   return hil::MakeSimulatedArm(params, kPeriod_s);
@@ -67,7 +67,8 @@ PushingHand::PushingHand()
 
 Wrench PushingHand::Step(double push_N, const Pose& X_WT, const Twist& V_WT) {
   const Vector3 feed_W = X_start_.linear().col(2);
-  Pose X_goal = X_start_;  // then set as deep as the tool: the hand's spring does not act along the feed
+  // Set to the tool's depth below, so that the hand's spring does not act along the feed.
+  Pose X_goal = X_start_;
   X_goal.translation() += feed_W.dot(X_WT.translation() - X_start_.translation()) * feed_W;
   Wrench F_T_W = hand_.Step(kPeriod_s, X_WT, V_WT, X_goal, {});
   F_T_W.f += push_N * feed_W;

@@ -15,19 +15,21 @@
 
 namespace osteon::studies {
 
-/// A ride of the shipped servo loop on bone that gives way, with either law: the admittance law on an arm
-/// that follows positions (hil/arm/servo_arm.h), the impedance law over a wrench overlay on an arm with
-/// masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and compliance are the loop's own.
+/// A run of the shipped servo loop on compliant bone with one of the two laws. The admittance law moves an
+/// arm that follows positions (hil/arm/servo_arm.h). The impedance law acts through a wrench overlay on an
+/// arm with masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and compliance are the loop's own.
 struct LawRideParams {
-  /// Law and gains, compliance, depth limit, spindle; the ride sets the arm's limits and a wide workspace.
+  /// Law and gains, compliance, depth limit, spindle. The bench itself sets the arm's limits and a wide
+  /// workspace.
   control::ServoParams loop{};
   double seconds{1.0};  ///< > 0
 };
 
-/// The state of one millisecond.
+/// The state after one millisecond.
 struct LawRideTick {
-  Pose X_WT{Pose::Identity()};      ///< the tool's true pose
-  Pose X_ME{Pose::Identity()};      ///< pose of the head in the bone's world, as the simulation gets it
+  Pose X_WT{Pose::Identity()};  ///< the tool's true pose
+  /// Pose of the tool's head in the world that moves with the bone, as the simulation gets it.
+  Pose X_ME{Pose::Identity()};
   Pose X_WT_sim{Pose::Identity()};  ///< pose of the rigid tool to which that head belongs
   Vector3 f_coupling_N{Vector3::Zero()};
   bool renders{false};
@@ -35,11 +37,12 @@ struct LawRideTick {
 
 /// The arm's surroundings, evaluated once a millisecond; ticks count from 0.
 struct LawScene {
-  /// Wrench of a hand, or a guide, on the tool at its origin, in W, by the tool's true motion in W.
+  /// Wrench of a hand, or of a guide, on the tool at the tool's origin, in W, for the tool's true motion in
+  /// W.
   std::function<Wrench(int tick, const Pose& X_WT, const Twist& V_WT)> hand;
-  /// The newest frame, for the command of the tick before; its stamp is set by the ride.
+  /// The newest frame, for the command of the previous tick. The bench sets the frame's stamp.
   std::function<simulation::ContactModel(const simulation::ToolCommand& command)> bone;
-  /// Called after each tick; may be empty. Returns false to end the ride.
+  /// Called after each tick; may be empty. Returns false to end the run.
   std::function<bool(int tick, const LawRideTick& state)> seen{};
 };
 
@@ -47,7 +50,7 @@ struct LawScene {
 /// compliance.
 [[nodiscard]] control::ServoParams LoopOfLaw(control::Law law, double stiffness_N_per_m);
 
-/// The pose of the tool at which every ride begins, at rest.
+/// The pose of the tool at which every run begins, at rest.
 [[nodiscard]] Pose StartOfLawRide();
 /// The bone's frame G at StartOfLawRide: its origin is the tool's apex, +z points against the feed, x along
 /// the tool's x.
@@ -58,8 +61,8 @@ struct LawScene {
   return full_N * std::min(1.0, time_s / rise_s);
 }
 
-/// A stiff hand (3 N/mm) that leads the tool down from the ride's beginning: it holds the tool across the
-/// feed and against turning, and pushes along the feed.
+/// A stiff hand (3 N/mm) that leads the tool down from the start: it holds the tool across the feed and
+/// against rotation, and pushes along the feed.
 class PushingHand {
  public:
   PushingHand();
@@ -72,7 +75,7 @@ class PushingHand {
   Pose X_start_;
 };
 
-/// Simulates the ride. Deterministic. @returns the faults that the loop has latched
+/// Simulates the run. Deterministic. @returns the faults that the loop has latched
 [[nodiscard]] safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene);
 
 }  // namespace osteon::studies

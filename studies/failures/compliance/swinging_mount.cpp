@@ -42,7 +42,7 @@ SwingRide RideSwingingMount(const SwingRideParams& params) {
   hil::HandImpedance hand(ride.hand);
   hil::SensorModel sensor({.noise_N = 0.1, .noise_Nm = 0.005, .seed = 42});
   const hil::Tremor tremor(params.tremor_N, 1);
-  // the hand's goal is as far below the surface as hand and wall give way under its push
+  // the hand's goal is below the surface by the deflection of hand and wall under the push
   const double gives_m_per_N = 1.0 / params.hand.stiffness_N_per_m + 1.0 / kWall_N_per_m;
   const ArmScene scene{
       .hand =
@@ -84,14 +84,14 @@ namespace {
 
 // The worst case over hands, tremors and mounts.
 struct Swings {
-  double ratio{0.0};                    // largest mean drag on a mount, over that on bone at rest
-  double drag_at_rest{0.0}, drag{0.0};  // the two mean drags of that ratio
-  double max_at_rest{0.0};              // largest mean drag on bone at rest
+  double ratio{0.0};                    // largest ratio of the mean drag on a mount to that on fixed bone
+  double drag_at_rest{0.0}, drag{0.0};  // the two mean drags of the largest ratio
+  double max_at_rest{0.0};              // largest mean drag on fixed bone
   bool fault{false};
-  bool swung{true};  // on every mount the tool moved more than on bone at rest
+  bool swung{true};  // whether the tool moved more on every mount than on fixed bone
 };
 
-// Compares one hand and tremor on bone at rest with the same on every mount.
+// Compares the drag on every mount with that on fixed bone, for one hand and tremor.
 void Compare(SwingRideParams params, Swings& swings) {
   params.mount_hz.reset();
   const SwingRide rest = RideSwingingMount(params);
@@ -109,7 +109,7 @@ void Compare(SwingRideParams params, Swings& swings) {
   }
 }
 
-// The drag over time, as a line of the picture. @param mount_hz  none: bone at rest
+// Returns the drag over time, as a line of the picture. @param mount_hz  none: fixed bone
 FailureSeries DrawnDrag(const char* name, SwingRideParams params, std::optional<double> mount_hz, bool ours) {
   params.mount_hz = mount_hz;
   FailureSeries series = RideSwingingMount(params).drag;
@@ -134,7 +134,7 @@ FailureResult RunSwingingMount(const FailureSetting& setting) {
   Swings ours, baseline;
   bool complete = true;
   for (const hil::GridHand& hand : hil::NamedHands()) {
-    if (hand.mass_kg == 0.0) continue;  // fixture and clamp let nothing go
+    if (hand.mass_kg == 0.0) continue;  // the hands without mass (fixture and clamp) never let go
     for (const double tremor_N : tremors_N) {
       Compare({.hand = hand, .tremor_N = tremor_N}, ours);
       Compare({.hand = hand, .tremor_N = tremor_N, .index = forgets}, baseline);
@@ -153,7 +153,8 @@ FailureResult RunSwingingMount(const FailureSetting& setting) {
   result.baseline = 100.0 * (baseline.ratio - 1.0);
   result.ours = 100.0 * (ours.ratio - 1.0);
   result.baseline_fails = result.baseline > 5.0 * result.bound;
-  // If there were no added drag on bone at rest, the index would not act in this scene.
+  // The result passes only if drag was added on fixed bone, too: otherwise the vibration index would not act
+  // in this scene.
   result.ours_passes =
       complete && !ours.fault && ours.swung && ours.max_at_rest > 1.5 && result.ours <= result.bound;
   result.note = fmt::format(

@@ -8,31 +8,31 @@
 
 namespace osteon::studies {
 
-/// A ride of 5 s through the servo loop of an admittance cell on an arm of 15 Hz: a hand with a tremor
-/// presses with up to 100 N on bone of 12 kg and lets go, 0.7 times a second.
+/// A run of 5 s through the servo loop of an admittance cell on an arm of 15 Hz. A hand with a tremor presses
+/// with up to 100 N on bone of 12 kg and releases it, 0.7 times a second.
 struct SwingRideParams {
   hil::GridHand hand;
-  double tremor_N{1.0};              ///< peak along each axis (hil/operator/tremor.h)
-  std::optional<double> mount_hz{};  ///< frequency of the bone's mount; absent: the bone rests
+  double tremor_N{1.0};              ///< amplitude along each axis (hil/operator/tremor.h)
+  std::optional<double> mount_hz{};  ///< frequency of the bone's mount; absent: the bone is fixed
   control::VibrationParams index{};
 };
 
-/// The result of the ride.
+/// The result of the run.
 struct SwingRide {
-  double mean_drag{0.0};  ///< mean factor on the law's drag, from 1 s on
-  double swing_m{0.0};    ///< distance between the tool's lowest and highest place in that time
+  double mean_drag{0.0};  ///< mean factor on the law's drag, from 1 s after the start on
+  double swing_m{0.0};    ///< range of the tool's height, from 1 s after the start on
   bool fault{false};
-  FailureSeries drag{};  ///< factor, by the time [s]
+  FailureSeries drag{};  ///< factor on the law's drag, over the time [s]
 };
 
-/// Simulates the ride. Deterministic.
+/// Simulates the run. Deterministic.
 [[nodiscard]] SwingRide RideSwingingMount(const SwingRideParams& params);
 
-/// Scenario 42, swinging mount: bone that is pressed and let go swings on its mount, at 4 to 20 Hz, within
-/// the band of the vibration index. Metric: mean drag beyond that of the same index on bone that rests.
-/// Baseline: an index that remembers the slow push for 20 ms only: when the push turns, the index measures
-/// nothing but the swing.
-/// Bound: 15 %. The impedance law has no vibration index, so nothing there could raise its drag.
+/// Scenario 42, swinging mount: bone that is pressed and released swings on its mount at 4 to 20 Hz, within
+/// the band of the vibration index. Metric: increase of the mean drag over that on fixed bone with the same
+/// index. Baseline: an index that remembers the slow push for only 20 ms: when the push reverses, this index
+/// measures nothing but the swing. Bound: 15 %. The impedance law has no vibration index, so its drag can't
+/// rise.
 [[nodiscard]] FailureResult RunSwingingMount(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -16,27 +16,29 @@
 namespace osteon::studies {
 namespace {
 
-// The hand, and the period of frames.
+// Push, mass and damping of the hand, and the period of frames.
 constexpr double kPush_N = 100.0, kMass_kg = 2.0, kDamping_Ns_per_m = 200.0, kDt_s = 1e-3;
-constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3;  // of the burr, and of the wall across the feed
-// Our depth limit: its bound lies kMargin_m beyond the tool that has cut the wall through; it resists from
-// kSoft_m before the bound and stops the spindle kSpindleStop_m before it; kStop_m_per_s2 is the workspace's
-// deceleration.
+// Radius of the burr; half the width of the wall across the feed.
+constexpr double kRadius_m = 1.6e-3, kHalfWidth_m = 4e-3;
+// Our depth limit. Its bound lies kMargin_m beyond the pose at which the tool has cut through the wall. The
+// limit resists from kSoft_m before the bound on, and stops the spindle kSpindleStop_m before the bound.
+// kStop_m_per_s2 is the deceleration within the workspace.
 constexpr double kMargin_m = 1e-3;
 constexpr double kSoft_m = 3e-3, kSpindleStop_m = 0.5e-3, kLimit_N_per_m = 20e3, kStop_m_per_s2 = 3.0;
 constexpr int kFramesAfter = 100;  // frames observed after the breakthrough
 
-// The outcome of one wall.
+// The result of drilling through one wall.
 struct DrillResult {
-  double overshoot_m{0.0};     ///< travel of the hand below its height at the breakthrough
-  double lead_m{-1.0};         ///< largest lead of the proxy over the tool; -1: none seen
-  std::optional<int> through;  ///< frame in which the proxy has passed the wall
+  double overshoot_m{0.0};  ///< travel of the hand below its height at the breakthrough
+  /// Largest distance of the proxy ahead of the tool along the feed; -1: none seen.
+  double lead_m{-1.0};
+  std::optional<int> through;  ///< frame in which the proxy's apex has passed the wall's far side
   std::optional<int> flagged;  ///< frame in which SceneWatch reports the breakthrough
   FailureSeries hand;          ///< travel of the hand after the breakthrough [mm] by the time [ms]
 };
 
 // Drills until kFramesAfter after the breakthrough.
-// @param held  our depth limit acts; false: from the flag on there is no force on the hand (the baseline)
+// @param held  true: our depth limit acts; false (the baseline): from the flag on no force acts on the hand
 DrillResult Drill(simulation::CuttingEngine& engine, const simulation::Bone& wall,
                   const simulation::Solid& solid, double thickness_m, bool held,
                   const simulation::CuttingParams& params) {
@@ -46,8 +48,8 @@ DrillResult Drill(simulation::CuttingEngine& engine, const simulation::Bone& wal
   const safety::DepthLimitParams floor{
       .acts = held,
       .bound = {.shape = safety::ZoneShape::kHalfSpace,
-                // a pushed tool is ahead of its proxy by the coupling's deflection: the limit lies below it,
-                // so the wall is cut through
+                // A pushed tool is ahead of its proxy by the coupling's deflection. The limit lies that much
+                // deeper, so that the wall is cut through.
                 .p_W_m = {0.0, 0.0, -thickness_m - kPush_N / params.stiffness_N_per_m - kMargin_m}},
       .soft_m = kSoft_m,
       .spindle_stop_m = kSpindleStop_m,

@@ -16,16 +16,17 @@ namespace {
 
 // Radius of the cup, depth to which the reamer is pressed in, and its speed along the wall.
 constexpr double kCup_m = 25e-3, kDepth_m = 5e-3, kSpeed_deg_per_s = 50.0, kDt_s = 1e-3;
-constexpr int kLanding = 40;  // frames in which the tool is pressed on; they are not judged
+constexpr int kLanding = 40;  // frames in which the tool is pressed into the cup; they are not judged
 
-// Error of one method's normal along the path, and its largest change from one frame to the next.
+// Error of one method's normal along the path, and the normal's largest change from one frame to the next.
 struct NormalErrors {
   double worst_deg{0.0}, jump_deg{0.0};
   std::vector<double> angle_deg, error_deg;
   Vector3 before{Vector3::Zero()};
 
-  // @param angle  of the contact from the cup's axis [deg]
-  // @param out    direction out of the cup's centre to the contact
+  // Adds one frame.
+  // @param angle  between the cup's axis and the direction to the contact [deg]
+  // @param out    direction from the cup's centre to the contact
   // @param f      force or normal, of any length
   void Add(int i, double angle, const Vector3& out, const Vector3& f) {
     const double error = AngleDeg(f, -out);
@@ -52,7 +53,7 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
   cup.shape.width_m = 56e-3;
   cup.shape.height_m = 30e-3;
   cup.shape.cup_radius_m = kCup_m;
-  // contact only: coarse points away from the wall, as mass does not matter
+  // Only the contact is judged, not the mass: coarse mass points suffice.
   cup.points.cells = {.finest_m = 3e-3, .coarser_from_m = {}};
   if (!setting.full()) cup.packing.surface_gap_m = 0.1e-3;
   const simulation::Bone bone = WithFriction(simulation::MakeAcetabulum(cup), 0.0);
@@ -73,7 +74,8 @@ FailureResult RunConcaveCup(const FailureSetting& setting) {
     const int count = frames + kLanding;
     for (int i = 1; i <= count && complete; ++i) {
       const double angle = kSpeed_deg_per_s * kDt_s * std::max(0, i - kLanding) +
-                           (setting.full() ? 0.0 : 25.0);  // where a wall's packing has the largest effect
+                           // angle at which the packing of the wall has the largest effect
+                           (setting.full() ? 0.0 : 25.0);
       const double a = angle * std::numbers::pi / 180.0;
       const Vector3 out(0.8 * std::sin(a), 0.6 * std::sin(a), -std::cos(a));
       const double offset = kCup_m - R + kDepth_m * std::min(1.0, 2.0 * i / kLanding);

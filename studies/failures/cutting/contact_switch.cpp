@@ -12,7 +12,8 @@
 namespace osteon::studies {
 namespace {
 
-// The tool's two balls; each moves up and down by kRock_m.
+// Radius of the tool's two balls, half their distance, and amplitude and frequency of their motion up and
+// down.
 constexpr double kRadius_m = 3e-3, kHalfApart_m = 5e-3, kRock_m = 0.1e-3, kRock_hz = 2.0;
 constexpr double kForce_N = 200.0, kStiffness_N_per_m = 20e3, kDt_s = 1e-3;
 
@@ -45,7 +46,8 @@ FailureResult RunContactSwitch(const FailureSetting& setting) {
 
   const auto engine = setting.make_engine(bone, tool, Pose::Identity(), {});
   SingleContact baseline(bone.balls, tool, {.stiffness_N_per_m = kStiffness_N_per_m});
-  constexpr int kLanding = 50, kSettled = 100;  // frames; judged from kSettled on
+  // numbers of frames: pressing down; from kSettled on the frames are judged
+  constexpr int kLanding = 50, kSettled = 100;
   const int frames = kSettled + (setting.full() ? 2000 : 500);
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "one pair"};
   std::vector<double> forces;

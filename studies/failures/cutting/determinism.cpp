@@ -15,7 +15,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 4e-3;  // of the tool
+constexpr double kRadius_m = 4e-3;  // radius of the tool
 
 /// The hand's pose: down, then along a figure of eight.
 Pose HandAt(int frame, int frames) {
@@ -51,8 +51,8 @@ std::vector<simulation::ContactModel> Play(simulation::CuttingEngine& engine, in
   return models;
 }
 
-/// Normal of the contact as a parallel engine could sum it: in single precision, each ball near the tool
-/// weighted by the volume of its overlap, in groups of 64 balls that come in a random order.
+/// Sums the normal of the contact as a parallel engine might: in single precision, in groups of 64 balls that
+/// come in a random order. Each ball near the tool is weighted by the volume of its overlap.
 /// @param schedule  seed of the order
 Eigen::Vector3f SumOnSchedule(const simulation::Bone& bone, const Vector3& center_m, std::uint64_t schedule) {
   constexpr std::size_t kGroup = 64;
@@ -74,10 +74,11 @@ Eigen::Vector3f SumOnSchedule(const simulation::Bone& bone, const Vector3& cente
   return sum;
 }
 
-/// Largest differences from the reference engine; `mass` is relative.
+/// Largest differences of our engine from the reference engine; `mass` is relative.
 struct Agreement {
   double contact_mm{0.0}, normal_deg{0.0}, ball_mm{0.0}, mass{0.0};
-  int exempt{0};  ///< balls about to vanish that only one engine has removed
+  /// Number of balls that were about to vanish and that only one of the two engines has removed.
+  int exempt{0};
   [[nodiscard]] bool good() const {
     return contact_mm <= 1e-4 && normal_deg <= 0.05 && ball_mm <= 1e-4 && mass <= 1e-5;
   }
@@ -89,13 +90,13 @@ Agreement Compare(const std::vector<simulation::ContactModel>& ours, const simul
                   const simulation::CarvedState& reference_state, int frames) {
   Agreement agreement;
   for (std::size_t i = 1; i < ours.size(); ++i) {
-    const Vector3 way =  // from the proxy of the frame before to the hand
+    const Vector3 way =  // from the proxy of the previous frame to the hand
         Pose(HandAt(static_cast<int>(i), frames)).translation() - Pose(reference[i - 1].X_WP).translation();
     agreement.contact_mm =
         std::max(agreement.contact_mm,
                  1e3 * std::abs(ours[i].contact_fraction - reference[i].contact_fraction) * way.norm());
     const Vector3 a = ours[i].n_W, b = reference[i].n_W;
-    // a near-zero force has no direction to compare
+    // skip near-zero forces: their direction is undefined
     if (a.isZero() || b.isZero() || Vector3(reference[i].F_T_W.f).norm() < 1.0) continue;
     agreement.normal_deg =
         std::max(agreement.normal_deg, std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / M_PI);

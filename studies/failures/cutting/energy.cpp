@@ -11,25 +11,26 @@
 namespace osteon::studies {
 namespace {
 
-// The burr, and its height over the surface and depth below it in a cycle.
+// Radius of the burr; its height above the surface at the top of a cycle; its depth at the bottom.
 constexpr double kRadius_m = 2e-3, kTop_m = 0.3e-3, kDepth_m = 1.6e-3;
 constexpr double kRowStep_m = 1.5e-3;           // distance of neighbouring dimples
-constexpr int kFramesPerCycle = 300, kRow = 5;  // kRow: dimples in a row
+constexpr int kFramesPerCycle = 300, kRow = 5;  // kRow: number of dimples in a row
 constexpr double kSpindle_rad_per_s = 4000.0 * 2.0 * M_PI / 60.0;
 constexpr double kCuttingEnergy_J_per_m3 = 0.48e9;  // sawbones, MacAvelia 2012: 0.45 to 0.53 J/mm³
 
 /// Work and energy of a run, summed over its cycles.
 struct WorkSums {
   double drive_J{0.0}, feed_J{0.0}, cut_J{0.0};
-  double returned_J{0.0};             ///< largest energy that a closed cycle gave to the hand; never negative
-  double stored_J{0.0};               ///< largest energy stored in the coupling's spring
-  FailureSeries drive_and_feed, cut;  ///< these energies [J] by the number of cycles
+  double returned_J{0.0};  ///< largest energy that a closed cycle gave to the hand; never negative
+  double stored_J{0.0};    ///< largest energy stored in the coupling's spring
+  /// Work of drive and feed, and cutting energy [J], over the number of cycles.
+  FailureSeries drive_and_feed, cut;
 
   [[nodiscard]] double Imbalance() const {
     return std::abs(drive_J + feed_J - cut_J) / std::max(cut_J, 1e-12);
   }
-  /// Energy that a cycle gave, over the spring's largest energy; below a thousandth it is the trapezoidal
-  /// rule's error.
+  /// Largest energy that a cycle gave to the hand, over the spring's largest energy. A value below a
+  /// thousandth is the error of the trapezoidal rule.
   [[nodiscard]] double ReturnedShare() const { return returned_J / std::max(stored_J, 1e-12); }
 };
 
@@ -38,7 +39,7 @@ Vector3 PlaceOf(int cycle) {
   return {(cycle % kRow - kRow / 2) * kRowStep_m, cycle / kRow * kRowStep_m, 0.0};
 }
 
-/// Apex at a share of a cycle: down, sideways and round, up, back to the same place.
+/// Position of the apex at a share (0 … 1) of a cycle: down, sideways and round, up, back to the start.
 Vector3 OnCycle(int cycle, double depth_m, double share) {
   const double phase = 2.0 * M_PI * share;
   return PlaceOf(cycle) + Vector3(0.3e-3 * std::sin(phase), 0.15e-3 * std::sin(2.0 * phase),

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadius_m = 2e-3, kStall_s = 0.1;  // radius of the ball; length of the frame
 
-// The tool turned about z through its origin, the pivot.
+// The pose of the tool, turned about z through its origin (the pivot).
 Pose RotatedPose(double angle_rad) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(Vector3(0, 0, angle_rad));
@@ -75,9 +75,9 @@ FailureResult RunFastRotation(const FailureSetting& setting) {
       if (!complete) break;
       const double rate_rad_per_s = speed * M_PI / 180.0, angle = rate_rad_per_s * kStall_s;
       const double sagitta_m = lever_m * (1.0 - std::cos(0.5 * angle));
-      const double turn_rad = rate_rad_per_s * 1e-3;  // in a frame of 1 ms, without the stall
+      const double turn_rad = rate_rad_per_s * 1e-3;  // the turn in a frame of 1 ms, if there were no stall
       const double allowed_m = lever_m * turn_rad * turn_rad / 8.0;
-      // the post, made on the x axis and rotated to the arc's middle
+      // the post, built on the x axis and rotated to the middle of the arc
       simulation::Bone post = MakeBlock({.low_m = {lever_m + kRadius_m - 0.5 * sagitta_m, -1.5e-3, -2e-3},
                                          .high_m = {lever_m + kRadius_m + 3e-3, 1.5e-3, 2e-3},
                                          .ball_radius_m = 0.4e-3});

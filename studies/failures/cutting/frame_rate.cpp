@@ -15,7 +15,7 @@ namespace {
 constexpr std::array kRates_hz{250.0, 500.0, 1000.0, 2000.0};
 constexpr std::size_t kNominal = 2;  // index of the rate 1 kHz
 constexpr double kServo_hz = 4000.0;
-constexpr int kPlotEvery = 8;                    // ticks
+constexpr int kPlotEvery = 8;                    // ticks from one drawn point to the next
 constexpr double kRun_s = 1.0, kPlunge_s = 0.4;  // after the plunge the hand moves sideways
 
 /// Smooth step from 0 to 1.
@@ -36,8 +36,9 @@ struct Run {
   FailureSeries force;
 };
 
-/// Plays frames at `rate_hz`, each for the hand's pose of that time. Between them the servo loop renders the
-/// newest frame's planes at kServo_hz, as it does on the arm (control::EvaluateCoupling, without damping).
+/// Simulates frames at `rate_hz`, each with the hand's pose at the frame's time. Between frames the servo
+/// loop renders the newest frame's planes at kServo_hz, as on the arm (control::EvaluateCoupling, without
+/// damping).
 Run Play(simulation::CuttingEngine& engine, double rate_hz) {
   Run run;
   std::array<int, 2> ticks{};

@@ -13,20 +13,22 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kLength_m = 24e-3;    // length of the block along x
-constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn at this height
+constexpr double kMinDrawn_mm = 1e-7;  // smaller values, and zero, are drawn as this value
 
-/// A tool's radius, its feed, and the rate of frames.
+/// The radius of a tool, its feed, and the rate of frames.
 struct Case {
   double radius_m, speed_m_per_s, rate_hz;
 };
 
-/// Apex at a share of the path: in from one side, a wave across, out at the other.
+/// Position of the apex at a share (0 … 1) of the path: in from one side, along a wave, out at the other
+/// side.
 Vector3 OnSlot(double share, double R) {
   const double x = (share - 0.5) * (kLength_m + 6.0 * R);
   return {x, 0.5 * R * std::sin(2.0 * M_PI * x / (0.5 * kLength_m)), -R};
 }
 
-/// The proxy's path in a frame, as the engine reports it: to first contact, along the surface, into the bone.
+/// Appends the proxy's path in a frame, as the engine reports it: to first contact, along the surface, into
+/// the bone.
 void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vector<Pose>& path) {
   const Vector3 from = path.back().translation();
   const auto at = [&](const Vector3& p) {
@@ -39,7 +41,7 @@ void AddPath(const simulation::ContactModel& model, const Pose& X_WT, std::vecto
   at(Pose(model.X_WP).translation());
 }
 
-/// Judged results of one slot.
+/// Judged results of milling one slot.
 struct Outcome {
   double residue_m{0.0};  ///< how deep the remaining balls reach into the sweep
   double behind_m{0.0};   ///< largest distance of the proxy from the hand at the end of a frame
@@ -91,7 +93,8 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
   const simulation::CuttingParams params{.law = simulation::RemovalLaw::kImmediate};
   FailureSeries baseline_points{.name = "stamps", .x = {}, .y = {}},
       our_points{.name = "ours", .x = {}, .y = {}, .ours = true};
-  std::vector<std::array<double, 3>> points;  // step over radius, baseline, ours
+  // step of a frame divided by the tool's radius, error of the baseline, error of ours
+  std::vector<std::array<double, 3>> points;
   double behind_m = 0.0;
   bool complete = true;
   for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -121,7 +124,7 @@ FailureResult RunHighFeed(const FailureSetting& setting) {
     our_points.y.push_back(std::max(kMinDrawn_mm, mine));
   }
   result.baseline_fails = result.baseline > result.bound;
-  // a law that cuts nothing leaves no residue on a path of no length, so every frame must end at the hand
+  // Every frame must also end at the hand: a law that cuts nothing would have no path, and so no residue.
   result.ours_passes = complete && result.ours <= result.bound && 1e3 * behind_m <= result.bound;
   result.note = fmt::format("{} feeds; the proxy ends every frame within {:.1e} mm of the hand",
                             points.size(), 1e3 * behind_m);

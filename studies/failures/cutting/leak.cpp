@@ -18,15 +18,15 @@ namespace {
 
 constexpr double kProbe_m = 0.1e-3, kPush_m = 4e-3;  // radius of the probe; depth to which the hand pushes
 
-// Largest depth of the probe's apex below the face [m], when the hand pushes it down at (x, y) and meanwhile
-// moves it sideways by 0.3 mm.
+// Returns the largest depth of the probe's apex below the face [m] while the hand pushes it down near (x, y)
+// and moves it sideways by 0.3 mm.
 double DepthAt(simulation::CuttingEngine& engine, double x, double y) {
   simulation::ContactModel model;
   double deepest_m = 0.0;
   constexpr int kFrames = 120;
   for (int i = 0; i <= kFrames; ++i) {
     const double share = static_cast<double>(i) / kFrames;
-    // the hand searches for a way in
+    // move sideways in a pattern, to find a gap between the balls
     const Vector3 p(x + 0.3e-3 * std::sin(40.0 * share), y + 0.3e-3 * std::cos(31.0 * share) - 0.3e-3,
                     0.3e-3 - (kPush_m + 0.3e-3) * std::min(1.0, 1.5 * share));
     model = engine.Step(FrameAt(Downwards(p)));

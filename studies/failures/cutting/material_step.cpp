@@ -12,13 +12,15 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;  // kDepth_m: pressed into the bone
-// numbers of frames
+// kDepth_m: the tool is pressed into the bone by this depth.
+constexpr double kRadius_m = 3e-3, kDepth_m = 1e-3, kDt_s = 1e-3;
+// numbers of frames of a cycle's phases
 constexpr int kPress = 100, kTraverse = 200, kLift = 100, kBack = 100,
               kCycle = kPress + kTraverse + kLift + kBack;
-constexpr double kFrom_m = -3e-3, kTo_m = 3e-3;  // ends of the way along x; soft and hard half meet at x = 0
+// Ends of the path along x; the soft and the hard half meet at x = 0.
+constexpr double kFrom_m = -3e-3, kTo_m = 3e-3;
 
-// Apex of the hand's tool in its cycle: down on the soft half, along to the hard one, up, and back.
+// Position of the apex in a cycle: down on the soft half, along to the hard half, up, and back.
 Vector3 HandPosition(int frame) {
   const int i = frame % kCycle;
   const double up = 0.5e-3;
@@ -33,8 +35,8 @@ Vector3 HandPosition(int frame) {
           up};
 }
 
-// The baseline's force: a penalty along +z whose stiffness follows the density of the nearest ball: 2 N/mm in
-// the soft half, 20 in the hard.
+// Force of the baseline: a penalty force along +z whose stiffness follows the density of the nearest ball: 2
+// N/mm in the soft half, 20 N/mm in the hard half.
 Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   if (apex.z() >= 0.0) return Vector3::Zero();
   const Vector3 center = apex + Vector3(0, 0, kRadius_m);
@@ -48,7 +50,7 @@ Vector3 DensityPenalty(const simulation::Bone& bone, const Vector3& apex) {
   return Vector3(0, 0, (x < 0.0 ? 2e3 : 20e3) * -apex.z());
 }
 
-// Work that the hand gains, by the trapezoidal rule.
+// Sums the work that the hand gains, by the trapezoidal rule.
 class HandWork {
  public:
   void Add(const Vector3& p, const Vector3& f) {
@@ -78,7 +80,7 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
       MakeBlock(
           {.low_m = Vector3(-8e-3, -4e-3, -2e-3), .high_m = Vector3(8e-3, 4e-3, 0), .point_spacing_m = 1e-3}),
       0.0);
-  // the half beyond x = 0 is cortical bone
+  // the half with x > 0 is cortical bone
   bone.materials.push_back(bone.materials.front());
   bone.materials.front().name = "cancellous";
   bone.materials.back().name = "cortical";
@@ -94,8 +96,8 @@ FailureResult RunMaterialStep(const FailureSetting& setting) {
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "by density"};
   const int cycles = setting.full() ? 20 : 2;
   bool complete = true;
-  double crossing_ms = 0.0;  // when the tool passes the border
-  double last_off_ms = 0.0;  // when the force last differed by more than 5 % from its final value
+  double crossing_ms = 0.0;  // time at which the tool passes the border
+  double last_off_ms = 0.0;  // last time at which the force differed by more than 5 % from its final value
   const double final_N = 20e3 * kDepth_m;
   for (int i = 0; i <= cycles * kCycle && complete; ++i) {
     const Vector3 p = HandPosition(i);

@@ -12,10 +12,10 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kHead_m = 2e-3, kShaft_m = 1.85e-3;  // radii
-constexpr double kDepth_m = 4e-3;                     // of the slot
+constexpr double kDepth_m = 4e-3;                     // depth of the slot
 constexpr double kTilt_rad = 0.22;
 
-// The tool at the slot's end, tilted about its head's centre, and raised by up_m.
+// The tool's pose at the slot's end, tilted about its head's centre, and raised by up_m.
 Pose Tilted(double tilt_rad, double up_m) {
   const Vector3 turn(tilt_rad, 0.5 * tilt_rad, 0.0), head(3e-3, 0, kHead_m - kDepth_m);
   return Down(head + Vector3(0, 0, up_m) + Down(Vector3::Zero(), turn).linear() * Vector3(0, 0, kHead_m),
@@ -39,7 +39,7 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
   params.law = simulation::RemovalLaw::kImmediate;
   const auto engine = setting.make_engine(bone, tool, Pose::Identity(), params);
 
-  // the slot: 6 mm long, 4 mm deep, in passes of 1 mm back and forth
+  // Cut the slot: 6 mm long, 4 mm deep, in layers of 1 mm back and forth.
   const int steps = setting.full() ? 200 : 60;
   engine->Step(FrameAt(Down({-3e-3, 0, 0.1e-3}), kScenarioSpindle_rad_per_s));
   for (int pass = 1; pass <= 5; ++pass)
@@ -49,7 +49,8 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
     }
   const std::vector<simulation::Ball> balls = BallsLeft(engine->Snapshot());
 
-  // tilted against the walls, pressed down and sideways, then drawn out; the baseline in the same slot
+  // Tilt the tool against the walls, press it down and sideways, then draw it out. The baseline does the same
+  // in the same carved slot.
   SingleContact baseline(balls, tool, {.positive_roots_only = true, .slides = 3});
   FailureSeries of_ours{.name = "ours", .ours = true}, of_baseline{.name = "positive roots only"};
   double lag_m = 0.0;
@@ -74,7 +75,7 @@ FailureResult RunOwnSlot(const FailureSetting& setting) {
   result.ours = Largest(of_ours.y);
   result.baseline = Largest(of_baseline.y);
   result.baseline_fails = result.baseline > result.bound;
-  // the tool comes out if the collision-free pose follows the hand
+  // the tool has come out of the slot if the proxy follows the hand
   result.ours_passes = complete && result.ours < result.bound && lag_m < 0.1e-3;
   result.note = fmt::format("above the slot the proxy is off the tool by {:.3f} mm at most", 1e3 * lag_m);
   result.plot = {

@@ -14,17 +14,17 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kThickness_m = 1e-3, kVoxel_m = 0.25e-3;
-// Shots are aimed at places up to kAim_m from the centre, begin up to kHighest_m above the sheet, and end
-// kBeyond_m below it.
+// A shot is aimed at a place up to kAim_m from the sheet's centre, begins up to kHighest_m above the sheet,
+// ends kBeyond_m below the sheet, and is inclined by up to kMaxTilt_rad.
 constexpr double kAim_m = 3e-3, kHighest_m = 2e-3, kBeyond_m = 2e-3, kMaxTilt_rad = M_PI / 6.0;
 
-/// How far a shot that begins at a height above the sheet goes down.
+/// Vertical travel of a shot that begins at a height above the sheet.
 double Descent(double height_m, double tool_radius_m) {
   return height_m + kThickness_m + 2.0 * tool_radius_m + kBeyond_m;
 }
 
-/// Half the width of the sheet: wide enough that an inclined shot ends over the sheet, a millimetre from its
-/// edge, but no wider: the reference engine visits every ball in every frame.
+/// Half the width of the sheet. It is wide enough that an inclined shot ends at least a millimetre from the
+/// sheet's edge. It is no wider, since the reference engine visits every ball in every frame.
 double HalfWidth(double tool_radius_m) {
   return kAim_m + std::tan(kMaxTilt_rad) * Descent(kHighest_m, tool_radius_m) + 1e-3;
 }
@@ -42,20 +42,22 @@ Shot MakeShot(std::uint64_t n, double tool_radius_m) {
     return low + (high - low) * simulation::Uniform(bits);
   };
   Shot shot{};
-  // one in five uniform in the logarithm: slow shots take most frames, and fast ones matter most
+  // Every fifth speed is uniform in its logarithm, the others are uniform: fast shots matter most, and slow
+  // shots take the most frames.
   shot.speed_m_per_s = n % 5 == 0 ? 0.01 * std::pow(100.0, uniform(0.0, 1.0)) : uniform(0.01, 1.0);
   const double tilt = uniform(0.0, kMaxTilt_rad), about = uniform(0.0, 2.0 * M_PI);
   const Vector3 aim(uniform(-kAim_m, kAim_m), uniform(-kAim_m, kAim_m), 0.0);
   const Vector3 direction(std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about),
                           -std::cos(tilt));
-  // random within a frame's travel plus a millimetre, so discrete poses fall anywhere in the sheet
+  // The height is random over at least a frame's travel, so that the discrete poses fall anywhere in the
+  // sheet.
   const double height_m = uniform(0.05e-3, kHighest_m - 1e-3 + 1e-3 * shot.speed_m_per_s);
   shot.start_m = aim + Vector3(0, 0, height_m);
   shot.way_m = direction * Descent(height_m, tool_radius_m) / std::cos(tilt);
   return shot;
 }
 
-/// Shots of similar speeds, five bins to a decade.
+/// Number of shots in a range of speeds, and how many of them passed; five ranges per decade.
 struct Tally {
   int shots{0}, passed{0};
   int Add(bool has_passed) {  // @returns 1 if it has passed, otherwise 0
@@ -65,11 +67,11 @@ struct Tally {
   }
 };
 constexpr std::size_t kSpeedBins = 10;
-// 10 bins from 0.01 to 1 m/s.
+// Index of the speed's range, of 10 from 0.01 to 1 m/s.
 std::size_t BinOf(double speed_m_per_s) {
   return std::min(kSpeedBins - 1, static_cast<std::size_t>(5.0 * std::log10(speed_m_per_s / 0.01)));
 }
-// The share of shots that passed [%] by the speed [mm/s], as a line of the picture.
+// Returns the share of shots that passed [%] over the speed [mm/s], as a line of the picture.
 FailureSeries ShareBySpeed(const std::string& name, const std::array<Tally, kSpeedBins>& tallies, bool ours) {
   FailureSeries series{.name = name, .x = {}, .y = {}, .ours = ours};
   for (std::size_t i = 0; i < kSpeedBins; ++i) {
@@ -80,7 +82,7 @@ FailureSeries ShareBySpeed(const std::string& name, const std::array<Tally, kSpe
   return series;
 }
 
-/// Shoots, and returns whether the proxy's centre ended below the sheet.
+/// Simulates a shot, and returns whether the proxy's centre ended below the sheet.
 bool PassesThrough(simulation::CuttingEngine& engine, const Shot& shot, double tool_radius_m) {
   const int frames = static_cast<int>(std::ceil(shot.way_m.norm() / (shot.speed_m_per_s * 1e-3)));
   simulation::ContactModel model;

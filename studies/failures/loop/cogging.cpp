@@ -14,19 +14,19 @@
 namespace osteon::studies {
 namespace {
 
-// Radii of the head and of its balls, and the force with which it is pressed.
+// Radius of the tool's head, radius of its balls, and the force with which the head is pressed.
 constexpr double kHead_m = 5e-3, kPart_m = 1e-3, kForce_N = 100.0, kStiffness_N_per_m = 20e3;
 constexpr double kSpeed_m_per_s = 0.05, kDt_s = 1e-3;
 
-// A head of many equal balls that touch its sphere from inside, on a golden spiral about the feed; apex at
-// T's origin.
+// A head of many equal balls that touch its sphere from inside, arranged on a golden spiral about the feed.
+// Its apex is T's origin.
 simulation::Tool PackedHead() {
   simulation::Tool tool;
   tool.name = "packed head";
   constexpr int kBalls = 160;
   const double golden_angle_rad = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (int i = 0; i < kBalls; ++i) {
-    const double z = 1.0 - (i + 0.5) / kBalls;  // the front half
+    const double z = 1.0 - (i + 0.5) / kBalls;  // only the front half of the head
     const double s = std::sqrt(1.0 - z * z);
     const Vector3 out(s * std::cos(golden_angle_rad * i), s * std::sin(golden_angle_rad * i), z);
     tool.balls.push_back(
@@ -75,7 +75,7 @@ FailureResult RunCogging(const FailureSetting& setting) {
     of_baseline.x.push_back(1e3 * x);
     of_baseline.y.push_back(one.head<2>().norm());
   }
-  // converts tangential forces to percent of the mean normal force; returns the largest
+  // Converts tangential forces to percent of the mean normal force; returns the largest percentage.
   const auto in_percent = [](FailureSeries& series, double sum_N) {
     const double mean_N = sum_N / static_cast<double>(series.y.size());
     for (double& value : series.y) value *= 100.0 / mean_N;

@@ -12,10 +12,12 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kDt_s = 1e-3, kCalm_s = 0.5;        // kCalm_s: time after the step from which calm_N counts
+// kCalm_s: time after the step from which on calm_N is measured.
+constexpr double kDt_s = 1e-3, kCalm_s = 0.5;
 constexpr double kLow_hz = 5.0, kHigh_hz = 40.0;     // band in which the force is measured
 constexpr double kNoise_N = 0.1, kNoise_Nm = 0.005;  // standard deviation of the sensor's noise
-constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;   // of the hand's free motion before the step
+// Travel and frequency of the hand's free motion before the step.
+constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
 
 }  // namespace
 
@@ -33,8 +35,9 @@ GripRide RideGrip(const GripRideParams& params) {
                                 tight = hil::OperatorWith(params.after);
   hil::HandImpedance loose_mass(loose), tight_mass(tight);
   bool stepped = false;
-  Pose X_held = X_start;  // where the tight hand holds the tool
-  Wrench kept;            // added to the tight hand's wrench, so that it does not jump at the step
+  Pose X_held = X_start;  // the pose at which the tight hand holds the tool
+  // constant wrench that is added to the tight hand's, so that the sum does not jump at the step
+  Wrench kept;
   hil::SensorModel sensor({.noise_N = kNoise_N, .noise_Nm = kNoise_Nm, .seed = 16});
   const hil::Tremor tremor(params.tremor_N, 1);
   std::vector<Vector3> hand_forces, tremor_forces;
@@ -50,7 +53,8 @@ GripRide RideGrip(const GripRideParams& params) {
             if (t < params.step_s) {
               F = loose_mass.Step(kDt_s, X_WT, V_WT, X_goal, V_goal);
             } else {
-              if (!stepped) {  // the hand's wrench is kept; a clamp has no muscles
+              // at the step: keep the hand's wrench; a clamp has no muscles that could keep it
+              if (!stepped) {
                 stepped = true;
                 X_held = X_WT;
                 const Wrench before = loose.spring().Pull(X_WT, V_WT, X_goal, V_goal);

@@ -13,7 +13,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kStep_s = 1.3;  // when the grip stiffens
+constexpr double kStep_s = 1.3;  // time at which the grip stiffens
 
 // Light fixed gains: virtual mass 2 kg, drag 10 N s/m, rotation in the same proportion, no vibration index.
 control::ServoParams Baseline() {
@@ -29,7 +29,8 @@ control::ServoParams Baseline() {
   return loop;
 }
 
-// The force of each window, by the time of its middle since the step, as a line of the picture.
+// Returns the force of each window over the time from the step to the window's middle, as a line of the
+// picture.
 FailureSeries Drawn(const char* name, const GripRide& gripped, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < gripped.window_N.size(); ++i) {
@@ -71,7 +72,8 @@ FailureResult RunGripStep(const FailureSetting& setting) {
     const GripRide ours = RideGrip(ride);
     ride.loop = Baseline();
     const GripRide fixed = RideGrip(ride);
-    // a stopped cell shows no vibration, but it cannot be used either
+    // If the cell stopped, take the largest force: a stopped cell does not vibrate, but it cannot be used
+    // either.
     const double fixed_N = fixed.fault ? fixed.max_N : fixed.calm_N;
     baselines_fail &= fixed_N > result.bound;
     result.baseline = std::min(result.baseline, fixed_N);

@@ -17,19 +17,19 @@ namespace {
 
 using kinematics::JointVector;
 
-// Allowed reversals: a joint may turn back at the limit, where the hand turns back, and after the elbow has
-// moved aside. A chattering joint reverses hundreds of times.
+// Allowed reversals of a joint's direction: a joint may reverse at its limit, when the hand turns back, and
+// after the elbow has moved aside. A chattering joint reverses hundreds of times.
 constexpr int kMaxReversals = 12;
-// The hand's speed along the line, the time to reach it, and the rest at the turning point.
+// The hand's speed along the line, the time to reach this speed, and the pause at the turning point.
 constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 
-// One approach to a joint's limit.
+// One approach to a joint's limit, along a line.
 struct Case {
   int joint{0};
   ArmRideParams params{};
   Pose X_start{Pose::Identity()};
-  Vector3 direction{Vector3::UnitX()};  // of the line along which the hand leads the tool
-  double out_m{0.0};                    // length of the way out
+  Vector3 direction{Vector3::UnitX()};  // direction of the line along which the hand leads the tool
+  double out_m{0.0};                    // distance from the start to the turning point
 };
 
 // @param room_rad  distance of the joint from its limit at the start
@@ -39,7 +39,7 @@ Case MakeCase(int joint, double room_rad, double out_m) {
   c.params.X_FT = ScenarioTool();
   c.params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   const kinematics::JointLimits& limit = c.params.arm.limits[static_cast<std::size_t>(joint)];
-  // the limit on the side of zero on which the joint stands
+  // take the limit on that side of zero on which the joint starts
   const double side = c.params.q_start[joint] < 0.0 ? -1.0 : 1.0;
   c.params.q_start[joint] = side > 0.0 ? limit.upper_rad - room_rad : limit.lower_rad + room_rad;
   const kinematics::LbrArm arm(c.params.arm);
@@ -51,11 +51,11 @@ Case MakeCase(int joint, double room_rad, double out_m) {
   return c;
 }
 
-// Constant speed between short ramps: out, rest, back.
+// The path of the hand along the line: out, pause, back, with a constant speed between short ramps.
 HandPath PathOf(const Case& c) {
   return [X_start = c.X_start, direction = c.direction, out_m = c.out_m](double t) {
     const double leg_s = out_m / kSpeed_m_per_s + kRamp_s;
-    const auto way = [&](double s) {  // position and speed on one leg
+    const auto way = [&](double s) {  // position and speed on the way out or back
       s = std::clamp(s, 0.0, leg_s);
       if (s < kRamp_s) return std::pair{0.5 * kSpeed_m_per_s / kRamp_s * s * s, kSpeed_m_per_s * s / kRamp_s};
       if (s < leg_s - kRamp_s) return std::pair{kSpeed_m_per_s * (s - 0.5 * kRamp_s), kSpeed_m_per_s};
@@ -72,14 +72,14 @@ HandPath PathOf(const Case& c) {
   };
 }
 
-// Judged results of one ride.
+// Judged results of one run.
 struct RideResult {
-  double beside_m{0.0};      // distance from the line
-  double backward_m{0.0};    // travel against the push, on the way out
-  double beyond_rad{-1.0};   // largest overrun of a limit, over all joints
+  double beside_m{0.0};      // largest distance of the tool from the line
+  double backward_m{0.0};    // largest travel of the tool against the push, on the way out
+  double beyond_rad{-1.0};   // largest distance of a joint beyond its limit
   double force_step_N{0.0};  // largest change of the hand's force in a millisecond
   double turned_rad{0.0};    // largest rotation of the tool from its start
-  int reversals{0};  // sign changes of a joint's velocity (above 0.01 rad/s), of the joint with most of them
+  int reversals{0};  // sign changes of a joint's velocity (above 0.01 rad/s), for the joint that has the most
   bool fault{false};
 };
 
@@ -125,7 +125,7 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
                        .unit = "mm",
                        .baseline_name = "pseudo-inverse, each joint clamped at its limits alone",
                        .bound = 1.0};
-  const control::ServoParams defaults;  // those of the loop
+  const control::ServoParams defaults;  // the parameters that the servo loop has by default
   const double margin_rad = defaults.joints.position_margin_rad;
   const std::vector<int> joints = setting.full() ? std::vector<int>{0, 1, 3, 5} : std::vector<int>{1, 5};
   std::vector<Case> cases;

@@ -11,7 +11,7 @@
 namespace osteon::studies {
 namespace {
 
-// The wires' faults before and after the step.
+// The faults of the wires before and after the step.
 struct Case {
   std::string name;
   hil::WireFaults before{}, after{};
@@ -37,7 +37,7 @@ std::vector<Case> MakeCases(bool full) {
   return cases;
 }
 
-// Distance of the tool from its rest before the first tap: the largest in each 20 ms.
+// Distance of the tool from its rest position before the first tap: the largest in each 20 ms.
 FailureSeries Distance(const std::string& name, const PacketRideParams& params, const PacketRide& ride) {
   constexpr std::size_t kEach = 20;
   FailureSeries series{.name = name, .ours = params.method == WallMethod::kPlanes};
@@ -64,10 +64,11 @@ FailureResult RunPackets(const FailureSetting& setting) {
   const std::vector<Case> cases = MakeCases(setting.full());
   const std::uint64_t seeds = setting.full() ? 5 : 1;
   const double rides = static_cast<double>(cases.size() * seeds);
-  double held = 0.0, zeroed = 0.0;  // largest growth with the two baselines
+  double held = 0.0, zeroed = 0.0;  // largest growth of the swing with each of the two baselines
   double max_age_s = 0.0;
-  double beyond = 0.0;  // largest growth of ours where the condition D > a_max K does not hold
-  // numbers of rides: all; ours and held ones that fulfil the condition; held ones that grow
+  double beyond = 0.0;  // largest growth of ours in runs that do not fulfil the condition D > a_max K
+  // numbers of runs: all; runs of ours that fulfil the condition; held ones that fulfil it; held ones that
+  // grow
   int done = 0, claimed = 0, held_claimed = 0, held_grows = 0;
   bool complete = true, theorem_holds = true;
   std::string worst;

@@ -16,42 +16,45 @@ namespace osteon::studies {
 namespace {
 
 constexpr double kDt_s = 1e-3;
-constexpr double kStart_s = 1.0, kRamp_s = 0.5;      // judged from kStart_s on; the push rises within kRamp_s
+// Judged from kStart_s on; the push reaches its full force within kRamp_s.
+constexpr double kStart_s = 1.0, kRamp_s = 0.5;
 constexpr double kNoise_N = 0.1, kNoise_Nm = 0.005;  // standard deviation of the sensor's noise
 constexpr double kLow_hz = 200.0, kHigh_hz = 300.0;  // band of the metric
-// Stiffness of our plane, and of the baseline's: above what the loop is stable with.
+// Stiffness of our plane, and of the baseline's. The loop is not stable with the second.
 constexpr double kStable_N_per_m = 20e3, kAbove_N_per_m = 7.4e6;
 
-// Motion of the handle in one ride.
+// Motion of the handle in one run.
 struct Buzz {
-  double amplitude_m{0.0};  // in the band of the metric
+  double amplitude_m{0.0};  // amplitude of the motion in the metric's band
   double wide_rms_m{0.0};   // RMS value of the motion from 5 to 400 Hz
   double push_N{0.0};       // rendered force at the end
   bool fault{false};
   std::vector<Vector3> band;  // motion in the band of the metric [m], for each tick
 };
 
-// Rests the tool on the plane for kStart_s + seconds.
-// @param force_alone  the loop gets a force that is a millisecond old (the baseline), instead of a plane
+// Simulates a tool that rests on the plane for kStart_s + seconds.
+// @param force_alone  true (the baseline): the loop gets a force that is a millisecond old; false: it gets a
+// plane
 Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   params.hand = hil::OperatorWith({"firm", 500.0, 20.0, 1.5});
-  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // no lag that would hide the vibration
+  params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // without a lag, which would hide the vibration
   params.seconds = kStart_s + seconds;
   params.loop.coupling.max_stiffness_N_per_m = stiffness_N_per_m;
-  // the baseline's force has no depth in bone, so the depth reaction is replaced by yielding
+  // the depth reaction needs a depth in bone, which a bare force has not; so yield instead
   if (force_alone) params.loop.on_force_limit.reaction = safety::OnForceLimit::kYield;
   if (force_alone) {
     params.loop.stabilisers = control::NoStabilisers();
-    params.loop.coupling.return_s = kDt_s;  // a frame's planes return at once
+    params.loop.coupling.return_s = kDt_s;  // a new frame's planes replace the old ones at once
   }
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
   const Vector3 down = X_start.linear().col(2);
 
-  // the spring's rest position is such that the push results when hand and wall are both deformed
+  // The spring's rest position is that at which the hand, with its own and the wall's deflection, pushes with
+  // push_N.
   Pose X_goal = X_start;
   hil::HandImpedance hand(params.hand);
   double depth_before_m = 0.0;
@@ -68,8 +71,8 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
           [&](int tick, rt::Nanoseconds now, const Pose& X_WT) {
             simulation::Contact plane = PlaneAt(X_start.translation(), -down, stiffness_N_per_m);
             const double depth_m = down.dot(X_WT.translation() - X_start.translation());
-            // a force computed elsewhere a millisecond ago: a plane that gives this force at any position of
-            // the tool
+            // Stands for a force that was computed elsewhere a millisecond ago: the plane is moved with the
+            // tool so that it gives this force at any position of the tool.
             if (force_alone) plane.p_W_m = Vector3(X_WT.translation() - std::max(0.0, depth_before_m) * down);
             depth_before_m = depth_m;
             return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
@@ -91,7 +94,7 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
   return buzz;
 }
 
-// The amplitude in the band [um] over each 20 ms, as a line of the picture.
+// Returns the amplitude in the band [um] over each 20 ms, as a line of the picture.
 FailureSeries Drawn(const char* name, const Buzz& buzz, bool ours) {
   constexpr std::size_t kEach = 20;  // ms: five cycles at 250 Hz
   FailureSeries series{.name = name, .ours = ours};
@@ -117,7 +120,8 @@ FailureResult RunRestingBuzz(const FailureSetting& setting) {
   bool complete = true, faulted = false, baselines_fail = true;
   result.baseline = 1e9;
   for (const double push_N : {5.0, 50.0, 200.0}) {
-    // at the limiter's 200 N the force is clipped, and a stiffness that is not felt does not ring
+    // Stay below the limiter's 200 N: while the force is clipped the loop does not feel the stiffness and
+    // does not ring.
     const double above_N = std::min(push_N, 195.0);
     const Buzz ours = SimulateResting(push_N, kStable_N_per_m, false, seconds);
     const Buzz above = SimulateResting(above_N, kAbove_N_per_m, true, seconds);

@@ -21,32 +21,37 @@ using kinematics::JointVector;
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kPush_N = 200.0, kCeiling_N = 200.0;
 // The hand presses within kPress_s, holds until kDrawBack_s, and draws back within kPress_s.
 constexpr double kPress_s = 0.5, kDrawBack_s = 0.7, kEnd_s = 1.6;
-constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;  // of the depth limit, from the wall's face
-constexpr double kWhole = 0.99;                       // share from which the whole force counts as back
-constexpr double kMaxRecovery_s = 0.05;               // bound on the time until the whole force is back
-constexpr double kCounts_N = 1.0;                     // smallest force whose direction counts
-constexpr double kSlack = 1.0 + 1e-9;                 // on a torque limit, for rounding
+// Depth limit: its bound below the wall's face, and the range before the bound in which it resists.
+constexpr double kDeepest_m = 12e-3, kSoft_m = 7e-3;
+// Share of the requested force from which on the force counts as whole.
+constexpr double kWhole = 0.99;
+constexpr double kMaxRecovery_s = 0.05;  // bound on the time until the whole force is back
+// Direction is judged only if the requested force is larger.
+constexpr double kCounts_N = 1.0;
+constexpr double kSlack = 1.0 + 1e-9;  // tolerance of a torque limit, for rounding
 
 // Judged results of one push; the baseline is computed for the same poses.
 struct PushResult {
-  // largest angle to the wanted force: of the rendered one, and of the one of clipped torques (baseline)
+  // largest angle to the requested force: of the rendered force, and of the force of clipped torques
+  // (baseline)
   double angle_rad{0.0}, clipped_angle_rad{0.0};
   double torque_share{0.0};  // largest (|J^T F| + |g|) / limit
-  double min_share{1.0};     // least share of the wanted force that passed the limiter
+  double min_share{1.0};     // least ratio of the rendered to the requested force
   double max_N{0.0}, max_wanted_N{0.0};
-  double recovery_s{0.0};  // longest time from when the arm can hold the whole force until the force is back
-  bool saturates{false};   // the arm could not hold the whole force in some tick
-  bool recovers{false};    // the whole force is back at the end
+  // longest time from when the arm can hold the whole force until the whole force is rendered
+  double recovery_s{0.0};
+  bool saturates{false};  // in some tick the arm could not hold the whole requested force
+  bool recovers{false};   // the whole requested force is rendered at the end
   bool fault{false};
   std::vector<double> angle_deg, clipped_deg;  // the two angles, for each tick
 };
 
 double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-// One push against a plane across the tool.
+// Simulates one push against a plane across the tool.
 // @param tool_m         length of the tool
 // @param side_rad       direction out of the plane, as an angle about the tool's axis from its x
-// @param depth_limited  the depth limit's resistance adds to the wall's, from half the depth on
+// @param depth_limited  a depth limit's resistance adds to the wall's force from some depth on
 PushResult Press(double tool_m, double side_rad, bool depth_limited) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -92,19 +97,19 @@ PushResult Press(double tool_m, double side_rad, bool depth_limited) {
                                  PlaneAt(X_start.translation(), n, kWall_N_per_m);
                              return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
                            }};
-  // test the limiter alone: a force that returns adds energy, which the passivity controller would damp
+  // Test the limiter alone: a force that returns adds energy, so the passivity controller would damp it.
   params.loop.stabilisers.passivity.acts = false;
-  params.loop.coupling.damping_Ns_per_m = 0.0;  // without damping the wanted force follows from the pose
-                                                // alone
+  // without damping the requested force follows from the pose alone
+  params.loop.coupling.damping_Ns_per_m = 0.0;
   const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
 
   PushResult result;
-  double could_since_s = 0.0;  // start of the time in which the arm could hold the whole force
+  double could_since_s = 0.0;  // time since which the arm can hold the whole force
   bool is_whole = true;
   for (std::size_t i = 1; i < ride.size(); ++i) {
     const ArmRideTick& tick = ride[i];
     result.fault |= tick.fault;
-    // the wanted force: that of the planes at the pose commanded in the tick before
+    // the requested force: that of the planes at the pose that the previous tick commanded
     const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
     double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
     if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));
@@ -114,7 +119,7 @@ PushResult Press(double tool_m, double side_rad, bool depth_limited) {
     const JointVector tau_wanted = J.topRows<3>().transpose() * f_wanted;
     const JointVector tau = J.topRows<3>().transpose() * f;
     JointVector clipped = tau_wanted;
-    // whether the arm can hold the whole force, with gravity counted against it
+    // whether the arm can hold the whole requested force, if gravity only reduces what it can hold
     bool can_hold = wanted_N <= kCeiling_N;
     for (std::size_t j = 0; j < 7; ++j) {
       const auto k = static_cast<Eigen::Index>(j);
@@ -137,7 +142,7 @@ PushResult Press(double tool_m, double side_rad, bool depth_limited) {
       result.angle_deg.push_back(0.0);
       result.clipped_deg.push_back(0.0);
     }
-    // Measure the time until the whole force is back.
+    // Measure the time until the whole force is rendered again.
     result.saturates |= !can_hold;
     if (!can_hold) could_since_s = static_cast<double>(i + 1) * kDt_s;
     if (can_hold && result.saturates && f.norm() < kWhole * wanted_N)

@@ -14,27 +14,28 @@
 namespace osteon::studies {
 namespace {
 
-// The arm waits for kWaiting_s; the hand turns the tool by kTurn_rad within kTurns_s and lets go at
-// kReleases_s; the drift is judged from kSettles_s after that; at the end a hand pushes with kPush_N for
-// kPushes_s.
+// Times of a run: the arm waits for kWaiting_s. The hand turns the tool by kTurn_rad within kTurns_s and lets
+// go at kReleases_s. The drift is judged from kSettles_s after the release on. At the end a hand pushes with
+// kPush_N for kPushes_s.
 constexpr double kDt_s = 1e-3, kWaiting_s = 1.0, kTurns_s = 1.5, kReleases_s = 2.0, kSettles_s = 1.0;
 constexpr double kTurn_rad = std::numbers::pi / 6.0, kPush_N = 10.0, kPushes_s = 1.0;
-constexpr double kLever_m = 0.1;  // distance of the second judged point from the tool's origin
-constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;  // errors of the load and of the sensor's zero
-constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;    // of our law
+constexpr double kLever_m = 0.1;  // distance of a second judged point of the tool from the tool's origin
+// Mass that the cell's file lacks; drift of the sensor's zero.
+constexpr double kPayload_kg = 0.2, kDrift_N_per_s = 0.1;
+constexpr double kDeadZone_N = 5.0, kDeadZone_Nm = 1.0;  // dead zone of our law
 
 // Motion of the released tool.
 struct DriftResult {
-  double speed_m_per_s{0.0};  // speed of the released tool
+  double speed_m_per_s{0.0};  // largest speed of the released tool
   double way_m{0.0};          // travel of the tool's origin until the push
   double push_m_per_s{0.0};   // speed under the push at the end
   bool fault{false};
-  std::vector<double> way_mm;  // by time since the release
+  std::vector<double> way_mm;  // travel of the tool's origin, by time since the release
 };
 
 // @param bias_N  error of the sensor's zero along an axis of the flange; its torque is 0.05 N·m per N
 // @param ours    with bias estimate and dead zone; false: the baseline
-// @param seconds from the release to the push
+// @param seconds  from the release to the push
 DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -43,7 +44,8 @@ DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   params.waiting_s = kWaiting_s;
   params.seconds = kReleases_s + seconds + kPushes_s;
   params.loop.sensor_bias.acts = ours;
-  // Nobody holds the tool while the arm waits, so the payload's error counts as bias as well.
+  // Widen the bounds of the bias estimate: nobody holds the tool while the arm waits, so the estimate may
+  // also take up the payload's error.
   params.loop.sensor_bias.max_creep_m_per_s = 0.3;
   params.loop.sensor_bias.max_creep_rad_per_s = 1.0;
   if (ours) {
@@ -52,11 +54,11 @@ DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   }
   const Pose X_start = kinematics::LbrArm(params.arm).FlangePose(params.q_start) * params.X_FT;
 
-  // errors of the zero, and a payload that is missing in the cell's file
+  // errors of the sensor's zero, and a payload that the cell's file lacks
   hil::SensorModelParams errors{.noise_N = 0.1, .noise_Nm = 0.005, .seed = 15};
   const Vector3 direction = Vector3::Unit(axis), across = Vector3::Unit((axis + 1) % 3);
   errors.bias.f = bias_N * direction;
-  errors.bias.t = 0.05 * bias_N * across;  // N·m: a lever of 50 mm
+  errors.bias.t = 0.05 * bias_N * across;  // [N·m]: a lever of 50 mm
   errors.drift_N_per_s = Vector3(kDrift_N_per_s * direction);
   errors.drift_Nm_per_s = Vector3(0.05 * kDrift_N_per_s * across);
   hil::SensorModel sensor(errors);
@@ -100,7 +102,8 @@ DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
   return result;
 }
 
-// The released tool's distance from its place a second after the release, as a line of the picture.
+// Returns the released tool's distance from its position a second after the release, as a line of the
+// picture.
 FailureSeries Drawn(const char* name, const DriftResult& drifted, bool ours) {
   FailureSeries series{.name = name, .y = drifted.way_mm, .ours = ours};
   for (std::size_t i = 0; i < series.y.size(); ++i) series.x.push_back(0.02 * static_cast<double>(i));
@@ -119,7 +122,7 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   const std::vector<double> biases_N =
       setting.full() ? std::vector{0.5, 1.0, 2.0, 5.0} : std::vector{0.5, 5.0};
   const int axes = setting.full() ? 3 : 1;
-  // waiting and turning count as well, since the zero drifts during them
+  // with the waiting and the turning, during which the zero drifts as well, this makes 30 s of drift
   const double seconds = setting.full() ? 27.0 : 4.0;
   result.baseline = 1e9;
   int done = 0;
@@ -128,7 +131,7 @@ FailureResult RunSensorErrors(const FailureSetting& setting) {
   for (const double bias_N : biases_N) {
     for (int axis = 0; axis < axes && complete; ++axis) {
       const DriftResult ours = Release(bias_N, axis, true, seconds);
-      // without bias estimate the tool soon leaves the arm's reach
+      // without bias estimate the tool soon leaves the arm's reach, so this run is short
       const DriftResult bare = Release(bias_N, axis, false, 2.5);
       result.ours = std::max(result.ours, 1e3 * ours.speed_m_per_s);
       result.baseline = std::min(result.baseline, 1e3 * bare.speed_m_per_s);

@@ -17,14 +17,15 @@ namespace {
 
 // Period of ticks; stiffness and radius of the bowl; force with which the hand presses.
 constexpr double kDt_s = 1e-3, kWall_N_per_m = 20e3, kBowl_m = 0.025, kPush_N = 80.0;
-constexpr double kPressed_s = 0.6;   // the tool rests there until the motion begins
-constexpr double kStalls_s = 0.65;   // 50 ms into the motion
-constexpr double kResumed_s = 0.15;  // after the stall: the ramp back has ended
+// The tool is at rest in the bowl until this time, when the motion begins.
+constexpr double kPressed_s = 0.6;
+constexpr double kStalls_s = 0.65;   // the stall begins: 50 ms after the motion began
+constexpr double kResumed_s = 0.15;  // time after the stall at which the force has its full size again
 // Bound on a change of the force in a tick, as a share of the force before the stall.
 constexpr double kMaxStep = 0.10;
 
 enum class Motion { kOut, kDeeper, kAlong };
-// A motion of the hand during which frames stay away.
+// A motion of the hand during which no frames come.
 struct Case {
   Motion motion;
   const char* name;
@@ -34,15 +35,18 @@ constexpr std::array<Case, 3> kMotions{{{Motion::kOut, "out of the bone", 0.25, 
                                         {Motion::kDeeper, "deeper", 0.1, 0.02},
                                         {Motion::kAlong, "along it", 0.1, 0.02}}};
 
-// Judged results of one ride.
+// Judged results of one run.
 struct StallResult {
-  double returned_J{0.0};  // largest energy that the virtual side has given beyond what it took
-  double step_share{0.0};  // largest change of the force in a tick when frames come again, over that before
+  // largest energy that the virtual side has given in excess of the energy that it took
+  double returned_J{0.0};
+  // largest change of the force in a tick after frames come again, divided by the force before the stall
+  double step_share{0.0};
   bool fault{false};
   std::vector<double> given_J;  // energy given so far, for each tick
 };
 
-// @param held  the force of the last frame is held during the stall (the baseline), instead of its plane
+// @param held  true (the baseline): the force of the last frame is held during the stall; false: its plane is
+// held
 StallResult Ride(const Case& c, double stall_s, bool held) {
   ArmRideParams params;
   params.arm = ScenarioArm();
@@ -57,7 +61,7 @@ StallResult Ride(const Case& c, double stall_s, bool held) {
   const Vector3 down = X_start.linear().col(2), along = X_start.linear().col(0);
   const Vector3 center = X_start.translation() - kBowl_m * down;
 
-  // A cycle: press, the motion, a rest, and out of the bone, so that every cycle ends without contact.
+  // A cycle: press in, move, rest, and leave the bone, so that every cycle ends without contact.
   const double pressed_m = kPush_N * (1.0 / params.hand.stiffness_N_per_m + 1.0 / kWall_N_per_m);
   const auto led = [](double t_s, double takes_s) {
     return hil::Quintic(std::clamp(t_s / takes_s, 0.0, 1.0)).s;
@@ -96,8 +100,8 @@ StallResult Ride(const Case& c, double stall_s, bool held) {
                                last = FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
                                last_N = kWall_N_per_m * std::max(0.0, out.norm() - kBowl_m);
                              } else if (held) {
-                               // the last force, at any position of the tool: a plane that moves along with
-                               // it
+                               // Hold the last force at any position of the tool, by a plane that moves with
+                               // the tool.
                                const Vector3 n_last = last.contacts[0].n_W;
                                plane = PlaneAt(X_WT.translation() + last_N / kWall_N_per_m * n_last, n_last,
                                                kWall_N_per_m);
@@ -113,7 +117,7 @@ StallResult Ride(const Case& c, double stall_s, bool held) {
   const auto begins = static_cast<std::size_t>(std::lround(kStalls_s / kDt_s));
   const double before_N = ride[begins - 1].f_coupling_N.norm();
   for (std::size_t i = 1; i + 1 < ride.size(); ++i) {
-    // the mean force of both ends of the step, so a spring gives back exactly what it took
+    // Use the mean force of both ends of the step, so that a spring returns exactly the energy that it took.
     given_J += 0.5 * (ride[i].f_coupling_N + ride[i + 1].f_coupling_N)
                          .dot(ride[i].X_WT.translation() - ride[i - 1].X_WT.translation());
     result.returned_J = std::max(result.returned_J, given_J);
@@ -126,7 +130,7 @@ StallResult Ride(const Case& c, double stall_s, bool held) {
   return result;
 }
 
-// The energy given so far over the time, as a line of the picture.
+// Returns the energy given so far over the time, as a line of the picture.
 FailureSeries Drawn(const char* name, const StallResult& stalled, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < stalled.given_J.size(); i += 4) {

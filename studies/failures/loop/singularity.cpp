@@ -25,7 +25,7 @@ struct Case {
   bool wrist{false};
 };
 
-// A blend from 0 to 1 and its slope over the given time; twice continuously differentiable.
+// A smooth step from 0 to 1 and its slope at a time; twice continuously differentiable.
 struct Blend {
   double s, slope_per_s;
 };
@@ -34,8 +34,8 @@ Blend Smooth(double t_s, double duration_s) {
   return {u * u * u * (10.0 + u * (-15.0 + 6.0 * u)), 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration_s};
 }
 
-// A path out by `out_m` along a direction and back with the given peak speed, with a sideways motion by
-// `side_m` that takes the whole time.
+// A path by `out_m` along a direction and back with the given peak speed. A sideways motion by `side_m` takes
+// the whole time.
 HandPath OutAndBack(const Pose& X_start, const Vector3& direction, double out_m, double speed_m_per_s,
                     const Vector3& side_m) {
   const double leg_s = 1.875 * std::abs(out_m) / speed_m_per_s, rest_s = 0.5;
@@ -49,8 +49,8 @@ HandPath OutAndBack(const Pose& X_start, const Vector3& direction, double out_m,
   };
 }
 
-// The tool goes out along the line from shoulder to wrist and back.
-// @param beyond_m  distance of the turning point beyond the arm's reach; negative: short of it
+// The tool moves out along the line from shoulder to wrist, and back.
+// @param beyond_m  distance of the turning point beyond the arm's reach; negative: before it
 // @param side_m    sideways motion from the turning point to the end
 Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) {
   Case c{.name = name};
@@ -61,7 +61,7 @@ Case ElbowCase(const std::string& name, double beyond_m, const Vector3& side_m) 
   const Pose X_WF = arm.FlangePose(c.params.q_start);
   const Vector3 p_SW =
       X_WF * Vector3(0, 0, -c.params.arm.wrist_to_flange_m) - Vector3(0, 0, c.params.arm.base_to_shoulder_m);
-  // remaining reach
+  // distance that remains to the arm's reach
   const double left_m = c.params.arm.shoulder_to_elbow_m + c.params.arm.elbow_to_wrist_m - p_SW.norm();
   const double out_m = left_m + beyond_m;
   c.path = OutAndBack(X_WF * c.params.X_FT, p_SW.normalized(), out_m, 0.1, side_m);
@@ -80,8 +80,8 @@ Case CandleCase() {
   return c;
 }
 
-// A6 goes from 0.5 to -0.5 rad with A5 at 90 deg, all other joints still. Then the whole path is turned by
-// `miss` about the axis of rotation that the arm loses when the wrist is straight.
+// A6 goes from 0.5 to -0.5 rad with A5 at 90 deg, while all other joints keep their positions. The path is
+// then rotated by miss_rad about the axis of rotation that the arm loses when the wrist is straight.
 Case WristCase(double miss_rad) {
   constexpr double kSwing_rad = 0.5, kRate_rad_per_s = 1.0;
   Case c{.name = fmt::format("wrist, missed by {:g} rad", miss_rad), .wrist = true};
@@ -97,7 +97,8 @@ Case WristCase(double miss_rad) {
   const Vector3 axis = lost.tail<3>().normalized();
   const double duration_s = 1.875 * 2.0 * kSwing_rad / kRate_rad_per_s;
   const JointVector start = c.params.q_start;
-  // the miss grows over the first third of the path, so the path starts at the arm's pose
+  // the rotation by miss_rad grows over the first third of the path, so that the path starts at the arm's
+  // pose
   c.path = [=](double t) {
     const Blend turn = Smooth(t, duration_s), off = Smooth(t, duration_s / 3.0);
     JointVector q = start;
@@ -114,7 +115,7 @@ Case WristCase(double miss_rad) {
   return c;
 }
 
-// Judged results of one ride.
+// Judged results of one run.
 struct RideResult {
   double speed_share{0.0};            // largest joint speed over that joint's limit
   double force_step_N{0.0};           // largest change of the hand's force in a millisecond
@@ -128,7 +129,7 @@ RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
     m.speed_share = std::max(m.speed_share, JointSpeedShare(c.params.arm, tick.qd));
     m.fault |= tick.fault;
   }
-  // the tool must be where the hand ends
+  // the tool must end where the hand ends
   const ArmRideTick& last = ride.back();
   m.left_m = (last.X_WT.translation() - last.goal.X_WT.translation()).norm();
   m.left_rad = LogRotation(last.X_WT.linear().transpose() * last.goal.X_WT.linear()).norm();

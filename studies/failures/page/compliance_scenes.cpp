@@ -2,9 +2,8 @@
 
 #include "studies/failures/page/failure_scenes.h"
 
-// Sketches of the scenarios of tool, tissue and mount that give way. Each function draws one half of the
-// scenario of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the
-// sketch.
+// Sketches of the scenarios of compliant tool, tissue and mount. Each function draws one half of the scenario
+// of its name: our method if s.ours(), otherwise the baseline. Coordinates are in pixels of the sketch.
 
 namespace osteon::studies {
 namespace {

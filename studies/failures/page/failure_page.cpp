@@ -24,7 +24,7 @@ std::string FileName(const FailureResult& result, const char* what = "") {
   return name;
 }
 
-// Formats a value with two digits, which distinguish a pass from a failure, and without an exponent if
+// Formats a value with two digits, enough to distinguish a pass from a failure, and without an exponent if
 // possible.
 std::string ShortValue(double value, const std::string& unit) {
   const std::string number =
@@ -35,7 +35,7 @@ std::string HtmlValue(double value, const std::string& unit) {
   return report::Escape(ShortValue(value, unit));
 }
 
-/// The chart's quantity without its unit: not every chart shows the metric.
+/// The quantity that the chart shows, without its unit: the metric, or the quantity of the y axis.
 std::string Plotted(const FailureResult& result) {
   if (result.plot.bound_is_on_y) return result.metric;
   return result.plot.y_label.substr(0, result.plot.y_label.find(" ["));
@@ -66,7 +66,7 @@ std::string Row(const FailurePageEntry& entry) {
 }  // namespace
 
 std::string FailureSvg(const FailureResult& result) {
-  // ours in blues and greens, the baseline's in reds and browns
+  // ours: blues and greens; baseline: reds and browns
   static constexpr std::array kOurs{"#0072b2", "#56b4e9", "#009e73"},
       kTheirs{"#d55e00", "#b07d00", "#cc79a7"};
   report::LineChart chart{.title = fmt::format("{} {}: {}", result.id, result.name, Plotted(result)),

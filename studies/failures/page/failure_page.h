@@ -15,23 +15,24 @@ namespace osteon::studies {
 struct FailurePageEntry {
   FailureResult result;
   bool passed{false};
-  std::string error{};  ///< instead of a result; may be empty
+  std::string error{};  ///< why there is no result; empty: there is a result
   double seconds{0.0};
 };
 
-/// Head and foot of the page: the engine and device of "ours", and the run.
+/// Head and foot of the page: the engine and device of our method, and the data of the run.
 struct FailurePageHead {
   std::string engine, device, command_line, version;
   bool quick{false};
 };
 
-/// One scenario's chart: the baseline's lines, ours, and the bound if it is a value of y. Its title names the
-/// plotted quantity: the metric if the bound is a value of y, else the y axis.
+/// Draws one scenario's chart: the baseline's lines, our lines, and the bound if it is a value of y. The
+/// chart's title names the plotted quantity: the metric if the bound is a value of y, otherwise the quantity
+/// of the y axis.
 [[nodiscard]] std::string FailureSvg(const FailureResult& result);
 
-/// Writes into an existing folder failures.html (table, every scene and every chart) and for each scenario
-/// NN_name.svg, its chart, and NN_name_scene.svg, its sketch (failure_scenes.h). Files appear complete or not
-/// at all. @returns an error that names the file.
+/// Writes files into an existing folder: failures.html (table, every sketch and every chart), and for each
+/// scenario its chart NN_name.svg and its sketch NN_name_scene.svg (failure_scenes.h). Each file appears
+/// complete or not at all. @returns an error that names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteFailurePage(std::span<const FailurePageEntry> entries,
                                                                const FailurePageHead& head,
                                                                const std::filesystem::path& folder);

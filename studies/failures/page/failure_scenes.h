@@ -20,9 +20,10 @@ namespace osteon::studies {
 
 /// The sketch of a scenario. `draw` is called once for each half.
 struct FailureScene {
-  int id{0};  ///< FailureScenario::id
+  int id{0};  ///< number of the scenario, as in FailureScenario::id
   void (*draw)(SceneSketch&){nullptr};
-  std::string_view baseline{}, ours{};  ///< captions below the halves: what goes wrong, and what prevents it
+  /// Captions below the halves: what goes wrong with the baseline, and what prevents it in ours.
+  std::string_view baseline{}, ours{};
 };
 
 [[nodiscard]] std::span<const FailureScene> ContactScenes();   ///< the tool against bone that does not change
@@ -30,7 +31,7 @@ struct FailureScene {
 [[nodiscard]] std::span<const FailureScene> GuidanceScenes();  ///< guidance along a surgical plan
 [[nodiscard]] std::span<const FailureScene> ArmScenes();       ///< arm, sensor, hand and connections
 [[nodiscard]] std::span<const FailureScene> PlanScenes();      ///< a surgical plan and its assessment
-[[nodiscard]] std::span<const FailureScene> ComplianceScenes();  ///< tool, tissue and mount that give way
+[[nodiscard]] std::span<const FailureScene> ComplianceScenes();  ///< compliant tool, tissue and mount
 [[nodiscard]] std::span<const FailureScene> SequenceScenes();    ///< change of tool, undo, resume
 
 /// Draws both halves with their captions, 820 px wide. @returns one <svg>; empty if no scene has that number.

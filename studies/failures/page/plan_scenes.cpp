@@ -45,7 +45,8 @@ void WrongSide(SceneSketch& s) {
 
 void SmallCap(SceneSketch& s) {
   s.Line(ArcPoints({200, 20}, 110.0, 50.0, 130.0), kMeantLine);
-  const double errors_px[] = {4, -5, 3, -2, 5, -4, 2, -3, 4, -5, 3};  // of the points' radius
+  // errors of the points' distance from the centre
+  const double errors_px[] = {4, -5, 3, -2, 5, -4, 2, -3, 4, -5, 3};
   for (int i = 0; i < 11; ++i) {
     const auto at = ArcPoints({200, 20}, 110.0 + errors_px[i], 52.0 + 7.6 * i, 52.5 + 7.6 * i);
     s.BoneBall(at.front().x, at.front().y, 3.0);

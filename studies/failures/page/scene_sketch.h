@@ -19,14 +19,14 @@ inline constexpr const char* kHandColor = "#1b1f24";   ///< the hand's actions: 
 inline constexpr const char* kWrongColor = "#d55e00";  ///< the baseline's actions
 inline constexpr const char* kRightColor = "#0072b2";  ///< our method's actions
 
-/// The style of a line; a dashed line shows an intended or earlier position.
+/// Style of a line. A dashed line shows an intended or earlier position.
 struct SketchLine {
   std::string_view color{kHandColor};
   double width_px{1.6};
   bool dashed{false};
 };
 
-/// An intended or earlier position.
+/// Style of the line that shows an intended or earlier position.
 inline constexpr SketchLine kMeantLine{.color = "#59636e", .dashed = true};
 
 /// Draws the elements of one half of a scene. Coordinates are within kSketchWidth_px × kSketchHeight_px;
@@ -48,7 +48,7 @@ class SceneSketch {
   /// Part of a tool.
   void Tool(const std::vector<report::PlotPoint>& outline);
   void ToolBall(double x, double y, double radius);
-  /// A ball at another place: where the hand holds its tool, or an earlier position.
+  /// A ball that is not at its actual place: where the hand holds its tool, or an earlier position.
   void GhostBall(double x, double y, double radius, std::string_view color = "#59636e");
   void Line(const std::vector<report::PlotPoint>& points, const SketchLine& line = {});
   void Arrow(report::PlotPoint from, report::PlotPoint to, const SketchLine& line = {});
@@ -71,8 +71,8 @@ class SceneSketch {
 /// Points of an arc, in steps of at most 4 deg; angles count from +x towards +y (downward) [deg].
 [[nodiscard]] std::vector<report::PlotPoint> ArcPoints(report::PlotPoint center, double radius,
                                                        double from_deg, double to_deg);
-/// Points of a sine about y = from.y, from x = `from.x` to `to_x`, whose amplitude goes linearly from the
-/// first to the last of `amplitudes` [px].
+/// Points of a sine wave about y = from.y, from x = `from.x` to `to_x`. Its amplitude changes linearly from
+/// the first to the last of `amplitudes` [px].
 [[nodiscard]] std::vector<report::PlotPoint> WavePoints(report::PlotPoint from, double to_x, double turns,
                                                         std::pair<double, double> amplitudes);
 

@@ -37,7 +37,7 @@ void ToolLoad(SceneSketch& s) {
   }
 }
 
-// A larger tool is chosen while it would stand in bone.
+// A larger tool is chosen while it would overlap bone.
 void ToolInBone(SceneSketch& s) {
   std::vector<report::PlotPoint> bone{{20, 156}, {20, 70}};
   for (const report::PlotPoint& p : ArcPoints({140, 70}, 40, 180, 360)) bone.push_back(p);

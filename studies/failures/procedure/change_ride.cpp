@@ -6,8 +6,9 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMounting_m = 0.15;  // from the flange to the centre of a reamer's head
-constexpr int kWaiting = 50, kRenders = 500, kPause = 300;  // ticks of each phase before the change
+constexpr double kMounting_m = 0.15;  // distance from the flange to the centre of a reamer's head
+// Ticks of the phases before the change: waiting, rendering, pause.
+constexpr int kWaiting = 50, kRenders = 500, kPause = 300;
 
 }  // namespace
 
@@ -43,7 +44,7 @@ ChangeRide RideChange(const ChangeRideParams& params) {
   state.session = control::SessionState::kCommandingWait;
   control::ArmCommand command;
   control::CellReadings readings;
-  // mass that the simulated sensor carries
+  // mass on the simulated sensor
   double carried_kg = params.tools.front().sensor.tool_mass_kg;
   rt::Nanoseconds now = rt::kSecond;
   std::uint64_t frame = 0;

@@ -8,16 +8,17 @@
 
 namespace osteon::studies {
 
-/// A servo loop that renders in free space, is paused, takes the second tool of its table, and resumes. The
-/// arm follows its command a tick later; nobody holds the tool.
+/// A run in which a servo loop renders in free space, is paused, switches to the second tool of its table,
+/// and resumes. The arm follows each command a tick later; nobody holds the tool.
 struct ChangeRideParams {
-  std::vector<control::LoopTool> tools;  ///< two
-  bool changes_entry{true};              ///< false: the loop keeps the first entry, whatever is mounted
-  double mounted_kg{0.0};                ///< mass that the change adds to the sensor's load
+  std::vector<control::LoopTool> tools;  ///< the loop's table: the first and the second tool
+  /// False (a baseline): the loop keeps the first tool's entry, although the second tool is mounted.
+  bool changes_entry{true};
+  double mounted_kg{0.0};  ///< mass that the change adds to the sensor's load
   double seconds_after{2.0};
 };
 
-/// The result of the ride; before and after are the ticks about the change.
+/// The result of the run. "Before" and "after" are the ticks directly before and after the change.
 struct ChangeRide {
   /// Commanded joints [rad].
   kinematics::JointVector q_before{kinematics::JointVector::Zero()}, q_after{kinematics::JointVector::Zero()};
@@ -26,10 +27,11 @@ struct ChangeRide {
   bool fault{false};
 };
 
-/// Simulates the ride. Deterministic.
+/// Simulates the run. Deterministic.
 [[nodiscard]] ChangeRide RideChange(const ChangeRideParams& params);
 
-/// A reamer on the flange: its length to the apex grows with its radius. @param mass_kg  on the sensor
+/// A reamer on the flange; its length to the apex grows with its radius. @param mass_kg  mass that the sensor
+/// carries
 [[nodiscard]] control::LoopTool ReamerOnFlange(double diameter_m, double mass_kg);
 
 }  // namespace osteon::studies

@@ -10,17 +10,17 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kStartHeight_m = 5e-3;  // of the head's centre over the planned one
+constexpr double kStartHeight_m = 5e-3;  // height of the head's centre above its planned place at the start
 
-// Joint limits without a limit on the speed.
+// Joint limits that do not limit the speed.
 std::array<kinematics::JointLimits, 7> Unlimited() {
   std::array<kinematics::JointLimits, 7> limits;
   for (kinematics::JointLimits& each : limits) each.velocity_rad_per_s = std::numeric_limits<double>::max();
   return limits;
 }
 
-// A pose as the seven "joints" of the bench's arm: position [m], rotation vector since the start [rad], and
-// one that is not used.
+// Converts a pose to the seven "joints" of the bench's arm: position [m], rotation vector since the start
+// [rad], and an unused seventh value.
 kinematics::JointVector ValuesOf(const Pose& X, const Matrix3& R_start) {
   kinematics::JointVector values = kinematics::JointVector::Zero();
   values.head<3>() = X.translation();
@@ -28,7 +28,7 @@ kinematics::JointVector ValuesOf(const Pose& X, const Matrix3& R_start) {
   return values;
 }
 
-// An arm at rest at a pose.
+// An arm at rest, whose tool is at the given pose.
 hil::ServoArm ArmAt(const Pose& X, const Matrix3& R_start) {
   return hil::ServoArm(hil::ServoArmParams{}, Unlimited(), GuidanceBench::kPeriod_s, ValuesOf(X, R_start));
 }
@@ -84,13 +84,14 @@ Pose GuidanceBench::Measured() const {
   return X;
 }
 
-// Sums the wrenches of bone and guidance, whose share the method chooses so that the sum keeps the limits.
-// @param guidance  receives the guidance's part of the sum
+// Sums the wrenches of bone and guidance. The method determines by which factor the guidance is scaled, so
+// that the sum keeps the limits.
+// @param guidance  receives the scaled guidance
 Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
   const auto sum_with = [&](const Wrench& F, double share) {
     return Wrench{.f = bone.f + share * F.f, .t = bone.t + share * F.t};
   };
-  // the largest share of F up to max_share with which the sum is not limited
+  // Returns the largest factor on F, at most max_share, with which the limiter does not reduce the sum.
   const auto share_of = [&](const Wrench& F, double max_share) {
     return control::MaxFittingScale(control::ScaleWithin(limiter_, bone, F, max_share), [&](double share) {
       return limiter_.Limit(sum_with(F, share)).share >= 1.0;
@@ -118,7 +119,7 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
   energy_J_ += 0.5 * control::Power(guidance_before_, moved_) + 0.5 * control::Power(guidance, moved_);
   guidance_before_ = guidance;
 
-  // the law, with the hand's wrench of the tick before
+  // Step the admittance law with the hand's wrench of the previous tick.
   const Pose X_before = tool_.X_WT;
   static_cast<void>(
       control::StepAdmittance(law_, {.f = felt_.f + sum.f, .t = felt_.t + sum.t}, kPeriod_s, tool_));
@@ -126,7 +127,7 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
   tool_.X_WT = control::IntegratePose(X_before, tool_.V_WT, kPeriod_s);
   moved_ = control::Scaled(control::TwistBetween(X_before, tool_.X_WT, kPeriod_s), kPeriod_s);
 
-  // arm and hand
+  // Step the arm, then the hand.
   const Pose X_meas_before = Measured();
   arm_.Step(ValuesOf(tool_.X_WT, R_start_));
   const Pose X_meas = Measured();
@@ -141,7 +142,7 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
     felt_.f = hand.stiffness_N_per_m * (rest_W + led.p_W - at) - hand.damping_Ns_per_m * v -
               hand.mass_kg / kPeriod_s * (v - v_before) + led.push_W;
     felt_.t = lever.cross(felt_.f);
-    // a grip holds the handle's direction as well, with a lever of 0.1 m
+    // A hand's grip also resists rotation of the handle: the spring and damper act with a lever of 0.1 m.
     constexpr double kGrip2_m2 = 0.01;
     felt_.t -= kGrip2_m2 * (hand.stiffness_N_per_m * LogRotation(X_meas.linear() * R_start_.transpose()) +
                             hand.damping_Ns_per_m * V_meas.w);

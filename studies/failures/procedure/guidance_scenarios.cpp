@@ -18,7 +18,7 @@ constexpr int kEvery = 20;  // ticks from one point of a picture to the next
 
 int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kTick_s)); }
 
-// Goal of a hand that moves aside by 2 × half_m and back once in 2 s.
+// Goal of a hand that moves aside by 2 × half_m and back, once every 2 s.
 LedTo Aside(int tick, double half_m) {
   return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kTick_s * tick)), 0.0, 0.0}};
 }
@@ -33,7 +33,7 @@ FailureResult RunGuidedCycles(const FailureSetting& setting) {
                        .baseline_name = "the same springs at the measured pose, undamped",
                        .bound = 0.0};
   constexpr int kCycles = 20;
-  // runs all cycles; returns the energy that the guidance has given [J]
+  // Simulates all cycles; returns the energy that the guidance has given [J].
   const auto run = [&](GuidanceBenchParams params, FailureSeries& series) {
     params.hand = {"stiff", 3000.0, 60.0, 3.0};
     GuidanceBench bench(params);
@@ -67,15 +67,16 @@ FailureResult RunSwitchedOnOutside(const FailureSetting& setting) {
                        .unit = "N",
                        .baseline_name = "full share at once",
                        .bound = 1.0};
-  double given_J[2]{};   // largest energy given: by the baseline, by ours
-  bool came_on = false;  // our guidance has rendered a force
-  // returns the largest growth of the guidance's force within a tick [N]
+  double given_J[2]{};   // largest energy that the guidance has given: baseline, ours
+  bool came_on = false;  // whether our guidance has rendered a force
+  // Returns the largest growth of the guidance's force within a tick [N]. @param given  receives the largest
+  // energy given
   const auto run = [&](GuidanceMethod method, double& given, FailureSeries& series) {
     GuidanceBench bench({.method = method});
     bench.SwitchOnAside(10e-3);
     double growth_N = 0.0, before_N = 0.0;
     for (int i = 0; i < Ticks(4.0); ++i) {
-      // the hand rests aside for a second, then leads back to the axis, then out again
+      // The hand holds the tool aside for a second, leads it back to the axis, then out again.
       const double at_s = kTick_s * i;
       const double aside_mm = at_s < 1.0 ? 10.0 : at_s < 2.0 ? 10.0 * (2.0 - at_s) : 4.0 * (at_s - 2.0);
       const GuidanceTick tick = bench.Step({.p_W = {1e-3 * aside_mm, 0.0, 0.0}});
@@ -113,11 +114,11 @@ FailureResult RunGuidanceAtCeiling(const FailureSetting& setting) {
                        .unit = "J",
                        .baseline_name = "its share is what the bone leaves, at once",
                        .bound = 0.0};
-  // runs all cycles; returns the energy that the guidance has given [J]
+  // Simulates all cycles; returns the energy that the guidance has given [J].
   const auto run = [&](GuidanceMethod method, FailureSeries& series) {
     GuidanceBench bench({.method = method, .hand = {"stiff", 3000.0, 60.0, 3.0}});
     for (int i = 0; i < Ticks(2.0 * cycles); ++i) {
-      // the bone pushes out of the cup while the tool leaves the corridor; the hand holds against it
+      // The bone pushes with the most force while the tool leaves the corridor; the hand resists it.
       const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kTick_s * i));
       LedTo led = Aside(i, 6e-3);
       led.push_W = {0.0, 0.0, -bone_N};
@@ -149,8 +150,8 @@ FailureResult RunFirmHandAtEdge(const FailureSetting& setting) {
                        .bound = 0.05};
   const double seconds = setting.full() ? 6.0 : 3.0;
   double lean_N = 0.0;  // force of the guidance at the end
-  // leads the tool aside within a second and holds it; returns the force between 5 and 40 Hz in the last
-  // second
+  // Leads the tool aside within a second and holds it; returns the RMS value of the hand's force between 5
+  // and 40 Hz in the last second [N].
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     std::vector<Vector3> hand_N;
@@ -188,13 +189,14 @@ FailureResult RunLetGoAside(const FailureSetting& setting) {
                        .baseline_name = "springs that do not fade on the way back",
                        .bound = 60.0};
   bool is_inside = false;  // the tool is back in the corridor at the end
-  // leads the tool aside and lets go; returns the largest speed of the tool in the 2 s after that [mm/s]
+  // Leads the tool aside and lets go; returns the largest speed of the tool in the 2 s after the release
+  // [mm/s].
   const auto run = [&](const GuidanceBenchParams& params, FailureSeries& series) {
     GuidanceBench bench(params);
     double max_mm_per_s = 0.0, aside_m = 0.0;
     int released = -1;
     for (int i = 0; i < Ticks(8.0) && (released < 0 || i < released + Ticks(2.0)); ++i) {
-      if (released < 0) aside_m += 0.04 * kTick_s;  // until the guidance has 17 mm of excess
+      if (released < 0) aside_m += 0.04 * kTick_s;  // until the tool is 17 mm beyond the funnel
       const GuidanceTick tick =
           bench.Step({.p_W = {aside_m, 0.0, 0.0}, .push_W = {0.0, 0.0, 0.0}, .holds = released < 0});
       if (released < 0 && tick.excess_m >= 17e-3) released = i;

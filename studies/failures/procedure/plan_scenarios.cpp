@@ -23,13 +23,14 @@ using simulation::Ball;
 
 constexpr CupDefinition kDefinitions[] = {CupDefinition::kRadiographic, CupDefinition::kOperative,
                                           CupDefinition::kAnatomic};
-constexpr double kRadius_m = 0.025;  // of the cap's sphere, and of the reamer
+constexpr double kRadius_m = 0.025;  // radius of the cap's sphere, and of the reamer
 
 double AngleBetween_deg(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
-// The same result with its verdict: the baseline is beyond the bound, ours within.
+// Returns the result with its verdict: the baseline fails if it exceeds the bound, ours passes if it keeps
+// the bound.
 FailureResult Judged(FailureResult result) {
   result.baseline_fails = result.baseline > result.bound;
   result.ours_passes = result.ours <= result.bound;
@@ -41,7 +42,8 @@ struct Sphere {
   double radius_m;
 };
 
-// Least squares of |p|² = 2 p·C + (R² - |C|²): linear, and biased where points are noisy.
+// Fits a sphere by linear least squares of |p|² = 2 p·C + (R² - |C|²), with points p, centre C and radius R.
+// This fit is biased if the points are noisy.
 Sphere AlgebraicFit(const std::vector<Vector3>& points_m) {
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   Eigen::Vector4d b = Eigen::Vector4d::Zero();
@@ -62,15 +64,16 @@ std::vector<Ball> AsBalls(const std::vector<Vector3>& points_m) {
   return balls;
 }
 
-// Our fit, of procedure/assessment. @param near_m  where the sphere's centre is expected
+// Fits a sphere by the shipped method (procedure/assessment). @param near_m  expected place of the sphere's
+// centre
 Sphere GeometricFit(const std::vector<Ball>& balls, const Vector3& near_m) {
   const auto fit = procedure::FitSphere(balls, Vector3::UnitZ(), near_m, kRadius_m);
   if (!fit) throw std::runtime_error(fit.error());
   return {fit->centre_m, fit->radius_m};
 }
 
-// Points on a cap of the sphere of kRadius_m about the origin, up to cap_rad from -z, with noise along the
-// radius.
+// Points on a cap of a sphere with kRadius_m about the origin, at angles up to cap_rad from -z, with noise
+// along the radius.
 std::vector<Vector3> NoisyCap(double cap_rad, int count, double noise_m, std::mt19937_64& random) {
   std::uniform_real_distribution<double> height(std::cos(cap_rad), 1.0), turn(0.0, 2.0 * M_PI);
   std::normal_distribution<double> noise(0.0, noise_m);
@@ -83,7 +86,7 @@ std::vector<Vector3> NoisyCap(double cap_rad, int count, double noise_m, std::mt
   return points_m;
 }
 
-// The demo's cup in large balls.
+// The cup of the demo, packed with large balls.
 simulation::Bone CoarseCup() {
   constexpr double kSpacing_m = 2.5e-3, kGap_m = 0.1e-3;
   simulation::AcetabulumParams params;
@@ -171,7 +174,7 @@ FailureResult RunSmallCap(const FailureSetting& setting) {
                        .bound = 0.02};
   std::mt19937_64 random(25);
   Vector3 depth_radius[2] = {Vector3::Zero(),
-                             Vector3::Zero()};  // sums of depth and radius [m]: baseline, ours
+                             Vector3::Zero()};  // sums of the errors of depth and radius [m]: baseline, ours
   FailureSeries algebraic{.name = result.baseline_name}, geometric{.name = "geometric fit", .ours = true};
   int done = 0;
   while (done < fits && setting.GoesOn(static_cast<double>(done) / fits)) {

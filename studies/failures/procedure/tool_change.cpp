@@ -12,7 +12,7 @@ constexpr double kPeriod_s = 1e-3;
 
 }  // namespace
 
-// The baseline keeps the apex where it is: with a reamer whose diameter is 2 mm larger, the flange must go
+// The baseline keeps the apex where it is: for a reamer whose diameter is 2 mm larger, it moves the flange
 // back by 1 mm at once.
 FailureResult RunToolChange(const FailureSetting& setting) {
   FailureResult result{.id = 32,

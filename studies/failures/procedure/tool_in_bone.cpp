@@ -11,15 +11,16 @@
 namespace osteon::studies {
 namespace {
 
-// Radii of a small reamer that has cut a cavity in a block, and of a larger one at the same centre; about 1
-// : 5.5 of real reamers.
+// Radii of a small reamer that has cut a cavity in a block, and of a larger reamer at the same centre; both
+// are scaled by about 1 : 5.5 from real reamers.
 constexpr double kSmall_m = 4.0e-3, kLarge_m = 4.6e-3, kStiffness_N_per_m = 20e3;
-constexpr int kFrames = 200;  // of the small reamer's cut
+constexpr int kFrames = 200;  // frames of the cut with the small reamer
 
 }  // namespace
 
-// The baseline mounts the larger tool where the smaller one stands: it begins in bone, and the coupling
-// pushes it out as soon as motion resumes. Ours refuses, and says how far to retract; from there it is clear.
+// The baseline resumes motion with the larger tool at the smaller tool's place: the tool begins in bone, and
+// the coupling pushes it out. Ours refuses to resume and says how far to retract; after the retraction the
+// tool is clear of bone.
 FailureResult RunToolInBone(const FailureSetting& setting) {
   FailureResult result{.id = 34,
                        .name = "tool in bone",
@@ -42,11 +43,11 @@ FailureResult RunToolInBone(const FailureSetting& setting) {
   }
   const simulation::CarvedState state = engine->Snapshot();
   const Pose X_small = state.X_GP;
-  // the head's centre stays: the apex goes on by the difference of the radii
+  // The head's centre keeps its place, so the apex lies further ahead by the difference of the radii.
   const Pose X_large = X_small * Eigen::Translation3d(0.0, 0.0, kLarge_m - kSmall_m);
   const double clear_m = simulation::ToolClearance(state, large, X_large);
   result.baseline = std::max(0.0, -1e3 * clear_m);
-  // ours: not before the tool is clear, along its axis
+  // Ours: retract along the tool's axis until the tool is clear of bone.
   double retracted_m = 0.0;
   Pose X_retracted = X_large;
   FailureSeries depth{.name = "deepest ball, where it stands", .ours = false},

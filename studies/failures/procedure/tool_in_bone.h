@@ -4,9 +4,9 @@
 
 namespace osteon::studies {
 
-/// Scenario 34, tool in bone: a larger reamer is mounted at the place where the smaller one stands. Metric:
-/// the tool's depth in bone when motion resumes. Baseline: motion resumes right there. Ours: refuses until
-/// the tool is retracted. Bound: 0.
+/// Scenario 34, tool in bone: a larger reamer is mounted at the place of the smaller one, in its cavity.
+/// Metric: the tool's depth in bone when motion resumes. Baseline: motion resumes at that place. Ours:
+/// refuses motion until the tool is retracted. Bound: 0.
 [[nodiscard]] FailureResult RunToolInBone(const FailureSetting& setting);
 
 }  // namespace osteon::studies

@@ -9,11 +9,11 @@
 namespace osteon::studies {
 namespace {
 
-// Mass on the sensor with a reamer of 44 mm, and what a reamer of 50 mm weighs more.
+// Mass on the sensor with a reamer of 44 mm, and the additional mass of a reamer of 50 mm.
 constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;
 constexpr int kEvery = 20;  // ticks between two points of the picture
 
-// The speed of the apex after the resume, as a line of the picture.
+// Returns the speed of the apex after the resume, as a line of the picture.
 FailureSeries Drawn(const char* name, const ChangeRide& ride, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < ride.speed_mm_per_s.size(); i += kEvery) {
@@ -25,8 +25,8 @@ FailureSeries Drawn(const char* name, const ChangeRide& ride, bool ours) {
 
 }  // namespace
 
-// Baseline: the mounted tool weighs more than the weight that the loop subtracts from the sensor's reading,
-// so the tool sinks.
+// The baseline's loop subtracts too little weight from the sensor's reading, since the mounted tool weighs
+// more. So the tool sinks.
 FailureResult RunToolLoad(const FailureSetting& setting) {
   FailureResult result{.id = 33,
                        .name = "tool load",

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kRadius_m = 4e-3;
 
-// Cuts one pass: down, sideways, and out again. Passes of different numbers lie 2 mm apart, side by side.
+// Cuts one pass: down, sideways, and out again. Passes with different numbers are 2 mm apart, side by side.
 void Ream(simulation::CuttingEngine& engine, int number, int frames) {
   for (int i = 0; i <= frames; ++i) {
     const double share = static_cast<double>(i) / frames;
@@ -22,16 +22,17 @@ void Ream(simulation::CuttingEngine& engine, int number, int frames) {
   }
 }
 
-// Sets the engine's bone to a saved state, with the tool out of contact.
+// Sets the engine's bone to a saved state; the tool is clear of bone.
 void Continue(simulation::CuttingEngine& engine, const simulation::CarvedState& state) {
   engine.Restore(simulation::WithoutContact(state));
 }
 
 }  // namespace
 
-// Compares two passes in a row with two other sequences: two passes of which the second is taken back and
-// done again; and one pass that is saved, resumed by another engine, and followed by the second pass. The
-// same inputs must leave the same bone. The baseline does not restore the bone when a pass is taken back.
+// Two passes in a row are compared with two other sequences that must leave the same bone. Sequence 1: two
+// passes, the second of which is undone and cut again. Sequence 2: one pass, whose state is saved and resumed
+// by another engine, which cuts the second pass. The baseline does not restore the bone when a pass is
+// undone.
 FailureResult RunUndo(const FailureSetting& setting) {
   FailureResult result{.id = 35,
                        .name = "undo",
@@ -55,7 +56,8 @@ FailureResult RunUndo(const FailureSetting& setting) {
   const std::uint64_t hash = HashState(plain->Snapshot());
   bool complete = setting.GoesOn(0.3);
 
-  // number of the two other sequences that leave another bone; `restores`: a pass is really taken back
+  // Returns how many of the two other sequences leave a different bone. @param restores  undoing a pass
+  // restores the bone
   const auto count_different = [&](bool restores) {
     int different = 0;
     const auto undone = make();

@@ -4,7 +4,8 @@
 
 namespace osteon::studies {
 
-/// Scenario 35: a pass is taken back, done again, and the session resumed.
+/// Scenario 35, undo: a pass is undone and cut again, and a session is resumed. Each must leave the same bone
+/// as two passes in a row.
 [[nodiscard]] FailureResult RunUndo(const FailureSetting& setting);
 
 }  // namespace osteon::studies
