@@ -15,7 +15,8 @@ class OperatorRole {
     if (holder_ == 0) holder_ = page;
     return holder_ == page;
   }
-  /// Takes the role from the page if the page holds it: it has asked for that, or has gone.
+  /// Takes the role from the page if the page holds it. Called when the page gives the role back or has
+  /// disconnected.
   /// @returns whether the page held the role
   bool GiveBack(std::uint64_t page) {
     const std::lock_guard lock(mutex_);

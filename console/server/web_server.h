@@ -12,7 +12,7 @@ struct mg_context;
 
 namespace osteon::console {
 
-/// Makes an empty text of the null pointer that civetweb gives for an absent text.
+/// The text, or an empty text for the null pointer that civetweb returns for an absent text.
 [[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
 /// What a web server serves, and at which address.
@@ -31,7 +31,7 @@ struct WebServerParams {
   void* user{nullptr};  ///< becomes mg_request_info::user_data
 };
 
-/// A civetweb server that ends at once when it is destroyed. Its threads have the lowest normal priority.
+/// A civetweb server whose destructor ends it without delay. Its threads have the lowest normal priority.
 class WebServer {
  public:
   /// @returns the error names address and port, and what to do.

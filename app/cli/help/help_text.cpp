@@ -31,7 +31,7 @@ std::string Row(const std::string& head, const std::string& body, std::size_t wi
   return text + base::WrapText(body, kTextColumn, width) + "\n";
 }
 
-// Returns an example; one that is too long is continued on further lines, in the form that a shell accepts.
+// Returns an example. A long example is continued on further lines, in the form that a shell accepts.
 std::string ExampleLine(const std::string& line, std::size_t width) {
   std::string text;
   std::string rest = "  " + line;

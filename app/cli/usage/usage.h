@@ -24,13 +24,13 @@ void AddDeviceOption(CLI::App& sub, std::string& device);
 void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
                      const std::string& use, const std::string& rest = "");
 
-/// Explains the error, after the name of the requested subcommand. For an unknown word it names the nearest
-/// known one.
+/// Explains a parse error, after the name of the requested subcommand. For an unknown word, names the nearest
+/// known word.
 [[nodiscard]] std::string UsageError(const CLI::App& app, const CLI::ParseError& error);
 
-/// Says why no subcommand could work with this command line (`--json -`, an output that would overwrite a
-/// file to be kept, a missing folder for temporary files), after the name of the requested subcommand. Empty:
-/// it can.
+/// Returns why no subcommand could work with this command line, after the name of the requested subcommand:
+/// `--json -`, an output that would overwrite a file to be kept, or a missing folder for temporary files.
+/// Empty if the command can run.
 [[nodiscard]] std::string ValidateEnvironment(const CLI::App& app);
 
 }  // namespace osteon::app
