@@ -17,8 +17,8 @@
 namespace osteon::base {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{
-    5};  // time between two checks whether the process has ended
+// time between two checks whether the process has ended
+constexpr std::chrono::milliseconds kPollInterval{5};
 
 // Makes `descriptor` write to a file. Called between fork and exec, where only async-signal-safe calls are
 // permitted.

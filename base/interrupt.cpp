@@ -20,8 +20,8 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 extern "C" void OnSignal(int signal_number) {
   RequestInterrupt(signal_number);
-  if (signal_number == SIGHUP)
-    return;  // a second SIGHUP ends nothing: the system, the shell and a service manager may each send one
+  // a second SIGHUP ends nothing: the system, the shell and a service manager may each send one
+  if (signal_number == SIGHUP) return;
   const rt::Nanoseconds now = rt::MonotonicNow();
   rt::Nanoseconds first = 0;
   if (!g_first.compare_exchange_strong(first, now) && now - first > kSameSignal) {

@@ -6,8 +6,8 @@
 namespace osteon::rt {
 namespace {
 
-constexpr Nanoseconds kWindow =
-    100 * kMillisecond;       // shortest time over which the thread's work is compared with the limits
+// shortest time over which the thread's work is compared with the limits
+constexpr Nanoseconds kWindow = 100 * kMillisecond;
 constexpr int kPriority = 5;  // SCHED_FIFO priority of a raised thread
 
 }  // namespace

@@ -17,8 +17,8 @@ struct RealtimeThreadParams {
   /// limits locked memory, because a later allocation could then fail.
   bool lock_memory{false};
   bool keep_cpus_awake{false};  ///< KeepCpusAwake
-  std::size_t prefault_stack_bytes{
-      0};  ///< part of the thread's stack that is brought into memory at set-up; at most 1 MiB
+  /// part of the thread's stack that is brought into memory at set-up; at most 1 MiB
+  std::size_t prefault_stack_bytes{0};
 };
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.

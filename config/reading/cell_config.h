@@ -115,8 +115,7 @@ enum class GivesWay : std::uint8_t {
 /// The parts of the cell that may be compliant, as the cell's file states them.
 struct ComplianceConfig {
   GivesWay layer{GivesWay::kOff}, tool{GivesWay::kOff}, mount{GivesWay::kOff};
-  double error_m{
-      0.1e-3};  ///< accepted error E of depth: of the cell's file, or else of the scene's `fidelity`
+  double error_m{0.1e-3};  ///< accepted error E of depth, from the cell's file or else the scene's `fidelity`
   std::optional<control::BoneMountParams> bone_mount{};
   std::string mount_source{};          ///< source of the mount's figures, or "assumed"
   double lateral_N{0.0}, push_N{0.0};  ///< expected forces: lateral on the tool; push on tissue and mount

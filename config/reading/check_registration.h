@@ -21,8 +21,8 @@ struct RegistrationRow {
   std::string unit;   ///< "mm", "deg"
   double low{-std::numeric_limits<double>::infinity()};
   double high{std::numeric_limits<double>::infinity()};
-  std::string section,
-      key;           ///< section and key of the cell's file that are probably wrong if the row does not hold
+  /// section and key of the cell's file that are probably wrong if the row does not hold
+  std::string section, key;
   std::string hint;  ///< likely cause of a failure; may be empty
   std::string note;  ///< remark if the row holds; may be empty
 

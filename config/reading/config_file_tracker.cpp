@@ -13,8 +13,8 @@
 namespace osteon::config {
 namespace {
 
-thread_local ConfigFileTracker* present_tracker =
-    nullptr;  // the tracker of this thread; null: this thread has none
+// the tracker of this thread; null: this thread has none
+thread_local ConfigFileTracker* present_tracker = nullptr;
 
 // Whether a path lies in a folder, at any depth, or is the folder itself. Both paths must be absolute and
 // normal.

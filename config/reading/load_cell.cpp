@@ -405,8 +405,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
-  servo.vibration.acts =
-      false;  // default for a cell without section `vibration`; docs/tuning.md gives the reason
+  // default for a cell without section `vibration`; docs/tuning.md gives the reason
+  servo.vibration.acts = false;
   if (reader.Has("console"))
     cell.pause_when_operator_leaves = reader.Section("console").Bool("pause_when_operator_leaves");
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);

@@ -17,8 +17,8 @@ constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime
 // the estimate of a delay near zero may be negative
 constexpr double kMinDelay_ms = -10.0, kMaxDeadTime_ms = 200.0, kMaxSensorDelay_ms = 50.0;
 constexpr double kMaxLoss = 0.99;  // share of the answers that the arm did not use
-constexpr std::size_t kMaxLines = 400,
-                      kMaxItems = 100;  // number of lines of a response; length of any other list
+// number of lines of a response; length of any other list
+constexpr std::size_t kMaxLines = 400, kMaxItems = 100;
 // RequireLag accepts a lag that differs from the model's lag by at most kLagTolerance × that lag +
 // kLagTolerance_s.
 constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3;

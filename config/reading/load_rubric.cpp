@@ -42,8 +42,8 @@ procedure::Rubric LoadRubric(const std::filesystem::path& path) {
   constexpr double kMaxNorm = 1e6;  // in the metric's unit
   Reader reader = Reader::Load(path);
   procedure::Rubric rubric{.name = path.stem().string(), .items = {}, .breach_source = {}};
-  std::vector<std::pair<Reader, std::string>>
-      sections;  // with the key of the value at which the item gives no points
+  // with the key of the value at which the item gives no points
+  std::vector<std::pair<Reader, std::string>> sections;
   for (const procedure::Metric& metric : procedure::Metrics()) {
     if (!reader.Has(metric.name)) continue;
     Reader section = reader.Section(metric.name);

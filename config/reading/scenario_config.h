@@ -41,10 +41,10 @@ struct ScenarioConfig {
                           ///< gets the frame's model
   bool planned{false};    ///< the bone is packed as `osteon demo` plans it, not as the scene's `packing` says
   double sample_s{0.02};  ///< time between two samples of the golden trace
-  int recoveries{
-      0};  ///< number of times that the loop recovers after a stop caused by the connection to the arm
-  std::optional<double> pause_s,
-      resume_s;  ///< times of an operator's pause and of its end, counted from the begin of rendering
+  /// number of times that the loop recovers after a stop caused by the connection to the arm
+  int recoveries{0};
+  /// times of an operator's pause and of its end, counted from the begin of rendering
+  std::optional<double> pause_s, resume_s;
   std::filesystem::path plan;      ///< surgical plan whose guidance the loop uses; empty: none
   std::optional<double> guidance;  ///< gain of the guidance, 0 … 1; absent: the gain of the plan
   TraceTolerances tolerances;

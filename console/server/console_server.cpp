@@ -30,8 +30,8 @@ constexpr const char* kWatches = "this page watches: take the operator's role fi
 
 // The server closes a page that does not read. It cannot send the reason then, because the page may have
 // received only half of the last message. It sends the reason when the page opens again with its old key.
-constexpr std::chrono::milliseconds kSlow{
-    2000};  // a failed write that took longer failed because the page did not read
+// a failed write that took longer failed because the page did not read
+constexpr std::chrono::milliseconds kSlow{2000};
 constexpr std::size_t kRememberedPages = 64;  // number of keys of pages that were closed as slow
 constexpr std::size_t kDrawnReports = 512;    // number of newest reports whose median drawn_ms() returns
 constexpr int kClosedSlow = 1008;             // close code of RFC 6455: policy violation

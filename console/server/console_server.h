@@ -43,8 +43,8 @@ struct ConsoleParams {
   std::string address{"127.0.0.1"};
   int port{kDefaultPort};      ///< 0: any free one
   bool only_this_port{false};  ///< false: the first free one of kPortsTried ports from `port` on
-  std::filesystem::path
-      page;           ///< folder of the built page; if it does not exist, a page that says so is served
+  /// folder of the built page; if it does not exist, a page that says so is served
+  std::filesystem::path page;
   std::string hello;  ///< a JSON object, the first message to every page: all that does not change in a run
   LiveContext context;
   /// Passes an operator's request on to the cell, as `osteon pause`, `resume`, `stop` and `recover` do.
@@ -66,8 +66,8 @@ struct ConsoleParams {
 
 /// Counts since the server's start.
 struct ConsoleCounts {
-  std::uint64_t opened{0},
-      refused{0};                 ///< number of pages that were accepted, and of pages that were refused
+  /// number of pages that were accepted, and of pages that were refused
+  std::uint64_t opened{0}, refused{0};
   std::uint64_t bad_messages{0};  ///< messages of pages that the server refused
   std::uint64_t slow{0};          ///< pages that were closed because they did not read
 };

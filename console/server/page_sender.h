@@ -76,8 +76,8 @@ class PageSender {
   PageWriter& writer_;
 
   std::atomic<bool> resend_{true};
-  std::uint64_t seen_windows_{0},
-      seen_events_{0};  // used only by the thread, as are all members down to mutex_
+  // used only by the thread, as are all members down to mutex_
+  std::uint64_t seen_windows_{0}, seen_events_{0};
   SurfaceReader surface_;
   SurfaceBudget surface_budget_;
   std::chrono::steady_clock::time_point surface_time_{};  // time of the bone in the change that is being sent

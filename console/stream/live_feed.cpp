@@ -72,10 +72,9 @@ void LiveFeed::TakeEvent(const io::RecordedEvent& event) {
 
 void LiveFeed::TryPublish() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock)
-    Publish();  // otherwise a reader is copying: the window is published in a later tick and contains more
-                // ticks
-}
+  // otherwise a reader is copying: the window is published in a later tick and contains more
+  if (lock) Publish();
+}  // ticks
 
 void LiveFeed::Flush() {
   const std::lock_guard lock(mutex_);

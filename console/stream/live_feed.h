@@ -71,8 +71,8 @@ class LiveFeed final : public io::RecordSink {
 
   mutable std::mutex mutex_;         // guards the members below
   std::vector<LiveWindow> windows_;  // the last kept_ windows, as a ring
-  std::atomic<std::uint64_t> newest_{
-      0};  // atomic: a reader checks without the lock whether there is a new window
+  // atomic: a reader checks without the lock whether there is a new window
+  std::atomic<std::uint64_t> newest_{0};
   std::deque<io::RecordedEvent> events_;
   std::uint64_t events_so_far_{0};
   std::uint64_t epoch_{0};

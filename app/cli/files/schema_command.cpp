@@ -95,8 +95,8 @@ Json ValueSchema(const KeyTable& table, const std::string& key, const KeyInfo& i
       value = {{"type", "boolean"}};
       break;
     case Type::kText:
-      value = {
-          {"type", {"string", "number", "boolean"}}};  // a text: YAML may read "12" or "yes" as another type
+      // a text: YAML may read "12" or "yes" as another type
+      value = {{"type", {"string", "number", "boolean"}}};
       break;
     case Type::kChoice:
       value = {{"enum", AcceptedWords(info.words)}};

@@ -89,8 +89,8 @@ std::string BashTable(const CommandText& top) {
                         Quoted(Joined(is_top ? TopWords(command) : CommandWords(command))),
                         Quoted(Joined(OptionNames(command))));
     text += "      case $2 in\n";
-    bool has_argument =
-        false;  // a word that no option precedes is completed as the first argument: only that one is listed
+    // a word that no option precedes is completed as the first argument: only that one is listed
+    bool has_argument = false;
     for (const OptionText& option : command.options) {
       if (option.value.empty() || (option.is_argument && std::exchange(has_argument, true))) continue;
       if (option.is_argument)

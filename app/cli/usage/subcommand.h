@@ -19,8 +19,8 @@ struct Invocation {
   std::filesystem::path config_root;
   std::string command_line;        ///< the command that repeats the run
   std::vector<std::string> words;  ///< the command line after the program's name
-  const studies::PartSet* parts{
-      nullptr};  ///< the items of all shards; null except when `osteon merge` runs the study
+  /// the items of all shards; null except when `osteon merge` runs the study
+  const studies::PartSet* parts{nullptr};
 };
 
 /// A subcommand. Its constructor adds it to the help, with its options.

@@ -29,10 +29,11 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
                     control::AdmittanceParams& admittance, control::CouplingParams& coupling,
                     double max_stiffness_N_per_m = std::numeric_limits<double>::infinity());
 
-/// Reads the gains file again and applies it to the cell's gains: the values that a running loop may change
-/// to.
+/// Reads the gains file again and applies it to the cell's own gains. Returns the gains that a running loop
+/// may change to.
 /// @param own  the gains of the cell's own file
-/// @param max_stiffness_N_per_m  coupling stiffness with which the run was started
+/// @param max_stiffness_N_per_m coupling stiffness with which the run was started; no later gains may exceed
+///   it
 /// @throws ConfigError naming file, line, what was found and what is accepted.
 [[nodiscard]] control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law,
                                             const control::Gains& own, double max_stiffness_N_per_m);
