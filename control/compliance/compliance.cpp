@@ -10,7 +10,7 @@
 namespace osteon::control {
 namespace {
 
-// Force, then torque, as one vector.
+// Joins force and torque into one vector.
 Vector6 Joined(const Wrench& F) OSTEON_RT {
   Vector6 joined;
   joined << F.f, F.t;
@@ -36,7 +36,7 @@ void Validate(const ComplianceParams& params) {
 double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT {
   double series = 0.0;
   if (params.layer && force_N > 0.0) {
-    double kappa = 0.0;  // of the softest material that has a layer
+    double kappa = 0.0;  // stiffness of the softest material that has a layer
     for (const double each : params.layer->kappa_N_per_m3)
       if (each > 0.0) kappa = kappa > 0.0 ? std::min(kappa, each) : each;
     series += LayerIndentation(*params.layer, {.kappa_N_per_m3 = kappa, .share = 1.0}, force_N) / force_N;
