@@ -21,7 +21,8 @@ class ParameterCheck {
   void operator()(std::string_view name, double value, double low, double high) const {
     if (!(value >= low && value <= high)) Refuse(name, value, NumberText(low) + " … " + NumberText(high));
   }
-  /// Accepts a finite value if `accepted` is true. @param range  text of what is accepted, for the error
+  /// Accepts a finite value if `accepted` is true. @param range text for the error that describes the
+  /// accepted values
   void operator()(std::string_view name, double value, bool accepted, const char* range) const {
     if (!accepted || !std::isfinite(value)) Refuse(name, value, range);
   }

@@ -14,7 +14,7 @@ class RunProgress {
   /// @param name  name of the command  @param seconds  duration of the run; 0: it has no end
   RunProgress(std::string name, double seconds);
   void Show(double at_s);
-  /// Shows the progress with a status line, which takes the place of the bar or of the time.
+  /// Shows a status line in place of the bar or of the elapsed time.
   void Show(double at_s, std::string_view status);
   /// Number of columns for a status line: those of the terminal; 200 if stderr is no terminal.
   [[nodiscard]] static std::size_t StatusColumns();

@@ -33,7 +33,7 @@ enum class ControlMode : std::uint8_t {
   kNone = 3,  ///< e.g. brakes applied
 };
 
-/// Command mode that the arm's program asks of the client, numbered as in FRI.
+/// Command mode that the arm's program requires of the client, numbered as in FRI.
 enum class CommandMode : std::uint8_t {
   kNone = 0,
   kPosition = 1,

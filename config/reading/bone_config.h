@@ -8,7 +8,7 @@
 
 namespace osteon::config {
 
-/// A mesh or a packing that takes the place of the scene's generated solid.
+/// A mesh or a packing that replaces the scene's generated solid.
 struct BoneConfig {
   std::filesystem::path file;  ///< a closed mesh, or a packing (.osp)
   /// The site, in the file's frame after scaling. Absent: the packing file contains its site.

@@ -89,7 +89,7 @@ struct ArmLinkConfig {
 /// The guard: an independent process between arm and controller. The arm sends to the guard, which relays to
 /// the address of ArmLinkConfig.
 struct GuardConfig {
-  std::string host;  ///< dotted IPv4, of this machine, where the arm's messages arrive
+  std::string host;  ///< IPv4 address of this machine at which the guard receives the arm's messages
   std::uint16_t port{0};
   double margin{0.25};     ///< the guard's limits exceed the controller's own by this share
   double silence_s{0.05};  ///< longest time without an answer of the controller
@@ -97,7 +97,8 @@ struct GuardConfig {
 
 /// The process that runs the cutting engine.
 struct EngineProcessConfig {
-  std::string host{};     ///< dotted IPv4, where `osteon simulate` listens; empty: the run starts it
+  std::string host{};     ///< IPv4 address at which `osteon simulate` listens; empty: the run starts `osteon
+                          ///< simulate` itself
   std::uint16_t port{0};  ///< UDP port; 0 if host is empty
   /// File with the token that an engine on another machine requires; relative to the cell's folder. Empty: no
   /// token.
@@ -136,7 +137,7 @@ struct CellConfig {
   control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
   simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
   ArmLinkConfig link;
-  std::optional<GuardConfig> guard;  ///< absent: the arm sends to the link's address itself
+  std::optional<GuardConfig> guard;  ///< absent: the arm sends directly to the address of `link`
   /// Pauses the cell if the console page with the operator's role vanishes.
   bool pause_when_operator_leaves{false};
   std::optional<EngineProcessConfig> engine_process;  ///< absent: the engine is a thread of the run

@@ -15,10 +15,10 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kFoot_mm = 150.0;  // half of an arm's foot plus half of a small bone
+constexpr double kFoot_mm = 150.0;         // half of an arm's foot plus half of a small bone
 constexpr double kLongestTool_mm = 600.0;  // from the flange to the apex
-constexpr double kInMetres_mm = 5.0;  // a position nearer to the origin is probably written in metres
-constexpr double kSteepest_deg = 60.0;  // largest angle between the tool's axis and the site's axis
+constexpr double kInMetres_mm = 5.0;       // a position nearer to the origin is probably written in metres
+constexpr double kSteepest_deg = 60.0;     // largest angle between the tool's axis and the site's axis
 constexpr double kUpright_deg = 0.1;  // a smaller tilt of the base is not noted: it is an error of levelling
 constexpr double kRotation = 1e-6;    // largest norm of R R^T - 1 for a rotation matrix R
 constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";
@@ -240,7 +240,8 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
   at.Section(section).Refuse(key, what);
 }
 
-// Whether a position looks like metres where millimetres are expected: close to the origin, but not at it.
+// Whether a position was probably written in metres instead of millimetres: it is close to the origin, but
+// not at it.
 bool LooksLikeMetres(const Pose& X) {
   const double from_origin_mm = X.translation().norm() / kMillimetre_m;
   return from_origin_mm > 0.0 && from_origin_mm < kInMetres_mm;
@@ -261,7 +262,7 @@ void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
                        kLooksLikeMetres));
 }
 
-// Refuses the first row that does not hold, at the key to blame.
+// Refuses the first row that does not hold, at the key that is probably wrong.
 void RefuseFailedRow(const std::vector<RegistrationRow>& rows, const Reader& reader) {
   for (const RegistrationRow& row : rows) {
     if (row.holds()) continue;

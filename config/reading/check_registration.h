@@ -60,8 +60,8 @@ struct RegistrationReport {
 /// deepest point of a path, or the bottom of a cup.
 [[nodiscard]] RegistrationReport DescribeRegistration(const CellConfig& cell);
 
-/// Checks the rows of base, bone, tool and workspace before the arm is placed at the start, since a mistake
-/// in one of these makes the placement impossible without saying which.
+/// Checks the rows of base, bone, tool and workspace before the arm is placed at the start, because a mistake
+/// in one of them makes the placement impossible, and the resulting error could not tell which one is wrong.
 /// @param reader  of the cell's file
 /// @throws ConfigError at the first row that does not hold: file:line, key, found and accepted.
 void CheckFrames(const CellConfig& cell, const Reader& reader);

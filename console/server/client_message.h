@@ -18,7 +18,8 @@ inline constexpr std::size_t kMaxClientMessage = 1024;
 /// {"ask": "pause"}, and likewise "resume", "stop" and "recover": a request to the cell. Only the page with
 /// the operator's role may make one.
 enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop, kRecover };
-/// {"ask": "role"} takes the operator's role if nobody has it; {"ask": "watch"} gives it back.
+/// {"ask": "role"} requests the operator's role, which is granted if no page has it; {"ask": "watch"} gives
+/// it back.
 enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
 /// {"ask": "all"}: send all data again, because the page has lost some of them.
 struct ResendRequest {};

@@ -324,7 +324,7 @@ class Server final : public ConsoleServer {
     --server.pages_open_;
   }
 
-  // The page of a connection; null: it has gone.
+  // The page of a connection; null if the page has disconnected.
   std::shared_ptr<Page> Find(const mg_connection* connection) {
     const std::lock_guard lock(mutex_);
     const auto found = pages_.find(connection);

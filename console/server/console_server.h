@@ -88,7 +88,7 @@ struct ConsoleCounts {
 class ConsoleServer {
  public:
   /// @param feed, surface  outlive the server
-  /// @returns the error names address and port, and what to do.
+  /// @returns the running server, or an error that names address and port, and what to do
   [[nodiscard]] static tl::expected<std::unique_ptr<ConsoleServer>, std::string> Start(
       const ConsoleParams& params, const LiveFeed& feed, const SurfaceStore& surface);
   /// Closes every page and ends all threads.

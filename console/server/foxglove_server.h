@@ -56,7 +56,7 @@ struct FoxgloveParams {
 class FoxgloveServer {
  public:
   /// @param source  outlives the server
-  /// @returns the error names address and port, and what to do.
+  /// @returns the running server, or an error that names address and port, and what to do
   [[nodiscard]] static tl::expected<std::unique_ptr<FoxgloveServer>, std::string> Start(
       const FoxgloveParams& params, const FoxgloveSource& source);
   /// Closes every viewer and ends all threads.

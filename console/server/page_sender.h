@@ -36,7 +36,7 @@ struct PageSources {
   SharedLive& live;  ///< shared by all pages of the feed
 };
 
-/// Writes to one page. The functions return false if the page does not read, or has gone.
+/// Writes to one page. The functions return false if the page does not read, or has disconnected.
 class PageWriter {
  public:
   virtual ~PageWriter() = default;

@@ -35,7 +35,7 @@ class ListeningServer final : public WebServer {
     knocking.join();
   }
 
-  // Tries the ports one after the other. @returns an error; empty: it listens
+  // Tries the ports one after the other. @returns an error; empty if the server listens
   std::string Listen() {
     mg_init_library(0);
     const int tries = params_.port == 0 ? 1 : params_.ports_tried;

@@ -34,7 +34,7 @@ struct WebServerParams {
 /// A civetweb server whose destructor ends it without delay. Its threads have the lowest normal priority.
 class WebServer {
  public:
-  /// @returns the error names address and port, and what to do.
+  /// @returns the running server, or an error that names address and port, and what to do
   [[nodiscard]] static tl::expected<std::unique_ptr<WebServer>, std::string> Start(
       const WebServerParams& params);
   /// Closes every connection (their close handlers are called) and ends all threads.

@@ -47,7 +47,8 @@ struct LiveContext {
   std::function<double(const control::TickRecord&)> depth_left_m{};
   /// The run's note on a fault (a bit of safety::Fault), callable from any thread; empty: nothing.
   std::function<FaultNote(std::uint32_t fault)> fault{};
-  /// Space left where the recording is written, callable from any thread [bytes]; empty: not known.
+  /// Free space on the disk to which the recording is written [bytes], callable from any thread; empty: not
+  /// known.
   std::function<std::optional<std::uintmax_t>()> disk_left_B{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
@@ -69,7 +70,7 @@ struct FaultStatus {
   FaultNote note{};
 };
 
-/// The cell's status in words and figures, for a line of text, `osteon status` and the console alike.
+/// The cell's status in words and figures. The status line, `osteon status` and the console all show it.
 struct LiveStatus {
   bool known{false};               ///< false: nothing was recorded yet
   int state_number{-1};            ///< safety::CellState; -1: unknown
@@ -87,8 +88,8 @@ struct LiveStatus {
   std::vector<FaultStatus> faults;
   double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
   std::string force_limit_from;  ///< as in LiveContext
-  /// Bound of the force in the last tick: the force itself, at most force_limit_N, if a limit reduced it in
-  /// this tick; else force_limit_N.
+  /// Bound of the force in the last tick. If a limit reduced the force in this tick, the bound is the force
+  /// itself, at most force_limit_N; otherwise it is force_limit_N.
   double force_limit_now_N{0.0};
   int force_limit_number{-1};  ///< safety::Limit that reduced the force; -1: none did
   double torque_Nm{0.0}, torque_limit_Nm{0.0};
@@ -97,7 +98,7 @@ struct LiveStatus {
   std::optional<double> feed_mm_per_s{};  ///< of the commanded tool along the site's axis, positive inward
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
-  bool gives_way{false};                                  ///< tool, tissue or mount may give way in this cell
+  bool gives_way{false};                                  ///< tool, tissue or mount is compliant in this cell
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};      ///< displacement of tool, surface layer, mount
   std::optional<double> model_age_ms{}, sensor_age_ms{};  ///< empty: none has come yet
   double frame_us{0.0};                                   ///< 0: no frame yet

@@ -27,7 +27,7 @@ namespace {
 using safety::Fault;
 
 constexpr double kElbowRate_per_s = 40.0;  // speed of the arm angle per rad of error
-constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted angle counts as reached
+constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted arm angle is reached
 constexpr double kMoving_m_per_s = 0.02,
                  kMoving_rad_per_s = 0.1;  // tool speeds from which the elbow may move at full speed
 constexpr double kStands = 1e-6;           // a smaller share of these tool speeds is a rounding error
@@ -195,7 +195,7 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
-  // Torques that hold the arm at q_, cached like the Jacobian. @pre the arm's masses are known
+  // Torques that balance the arm's weight at q_, cached like the Jacobian. @pre the arm's masses are known
   [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
     if constexpr (kRedundant) {
       if (gravity_q_ != q_) {

@@ -93,9 +93,9 @@ class ArmFollower {
   /// joints can hold.
   [[nodiscard]] virtual JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT = 0;
 
-  /// Whether the external torques on the joints, by the arm's estimate [N·m], will exceed what the joints can
-  /// hold within a message (safety::JointTorqueLimit). Call once per message; false if the arm's torques are
-  /// unknown.
+  /// Whether the external torques on the joints, as the arm estimates them [N·m], will exceed what the joints
+  /// can hold before the next message arrives (safety::JointTorqueLimit). Call once per message. False if the
+  /// arm's torque limits are unknown.
   [[nodiscard]] virtual bool PredictOverload(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
   /// One tick of a stop along the joints' last motion, which is scaled to zero within

@@ -96,7 +96,7 @@ void Compliance::Step(const Wrench& F_E_M, const simulation::ContactModel& model
   const Matrix3 R_WM = X_WM().linear();
   const Wrench F_E_W{.f = R_WM * F_E_M.f, .t = R_WM * F_E_M.t};
   const Vector3 p_WE = X_WT * Vector3(e_.head<3>());
-  // each comparison is negated so that NaN counts as beyond the limit
+  // The comparisons below are negated, so that NaN is beyond the limit.
   beyond_limit_ = false;
   if (params_.layer) {
     const Vector3 before_m = q_m_;

@@ -23,8 +23,8 @@ HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
 Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   const double after_N = after.f.norm();
   const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);  // <= 0
-  before.f -= against_N / after_N *
-              after.f;  // removes a component opposite to `after`, which rounding or motion may cause
+  // remove a component opposite to `after`, which rounding or motion may cause
+  before.f -= against_N / after_N * after.f;
   const double before_N = before.f.norm();
   if (before_N <= kMinForce_N) return after;
   const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);

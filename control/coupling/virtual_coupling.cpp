@@ -171,8 +171,8 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   state.held_back_m.fill(0.0);
 }
 
-// Places a plane for this tick: the frame's plane, receded and held back.
-// @returns the gap that it leaves to the tool [m]
+// Computes the position of a plane in this tick: the frame's plane, moved by its recession and by the
+// distance by which it is held back. @returns the gap between tool and plane [m]
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {
   const Contact& c = tick.input.model.contacts[i];
@@ -202,7 +202,7 @@ double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, c
   return gap_m;
 }
 
-// Places all planes, and advances the return of those that are held back by one tick.
+// Computes the positions of all planes. Then releases the held-back planes by the distance of one tick.
 void PlacePlanes(const CouplingTick& tick, CouplingState& state, PlacedPlanes& placed, CouplingOutput& out) {
   const ContactModel& model = tick.input.model;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {

@@ -48,7 +48,7 @@ struct CouplingState {
   std::array<FramePlane, simulation::kMaxContacts> planes{};  ///< the first plane_count count
   int plane_count{0};
   std::array<double, simulation::kMaxContacts> recession_m{};  ///< recession of each plane since pose_stamp
-  /// Distance by which each plane is still held back.
+  /// Present distance by which each plane is held back [m]; it falls to 0 (EvaluateCoupling).
   std::array<double, simulation::kMaxContacts> held_back_m{};
   double return_m_per_s{0.0};   ///< speed at which held-back planes are released
   bool has_proxy{false};        ///< the last tick had a proxy

@@ -33,8 +33,9 @@ class Multisine {
   static constexpr int kLines = 27;  ///< harmonics with power
   static constexpr double kPeriod_s = 4.0;
   static constexpr int kMinHarmonic = 3, kMaxHarmonic = 237;
-  static constexpr int kDraws = 100;             ///< random sets of phases that are tried
-  static constexpr double kFlatSpeed_hz = 20.0;  ///< up to this frequency all lines have the same speed
+  static constexpr int kDraws = 100;  ///< random sets of phases that are tried
+  /// up to this frequency, all lines have the same speed amplitude
+  static constexpr double kFlatSpeed_hz = 20.0;
 
   /// For set-up; takes some 10 ms. @param seed of the random phases
   /// @param peak_speed_m_per_s  largest speed; > 0

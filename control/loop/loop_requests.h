@@ -31,7 +31,7 @@ class LoopRequests {
   void ReportDifference() OSTEON_RT { differed_ = true; }
   void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
 
-  // For the tick. A stop request stays set; each of the other requests is returned once.
+  // For the tick. A stop request stays set; any other request is returned only once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   /// Returns the index of the tool that was requested since the last call, and clears the request; -1: none.

@@ -42,7 +42,8 @@ class MotionStart {
   };
   explicit MotionStart(const Parts& parts) : parts_(parts) {}
 
-  /// Updates the loop's view of the arm's session, and ends motion if the session ended.
+  /// Updates command and state according to the arm's session. Ends motion if the arm has left
+  /// COMMANDING_ACTIVE.
   /// @returns whether the arm takes commands
   [[nodiscard]] bool UpdateSession(const ArmState& state) OSTEON_RT;
   /// Evaluates the conditions of motion. Once all hold, begins the path to the start, or, if the arm is at

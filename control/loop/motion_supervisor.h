@@ -25,7 +25,7 @@ class MotionSupervisor {
   void SetPermits(safety::MotionPermits permits) OSTEON_RT { permits_ = permits; }
   /// Sets whether the commanded motion is the path to the start.
   void SetOnPath(bool on_path) OSTEON_RT { on_path_ = on_path; }
-  /// Call when rendering begins. From then on the loop takes no path to the start any more.
+  /// Call when rendering begins. After that, the loop does not move the arm to the start again.
   void SetRendered() OSTEON_RT { rendered_ = true; }
 
   /// Sets whether an orderly stop is requested in this tick.

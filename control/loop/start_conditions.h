@@ -23,7 +23,7 @@ struct StartConditions {
   bool may_start{true};
   bool rendered{false};  ///< the loop has rendered before, so it does not move the arm to the start again
   bool bias_in_doubt{false};   ///< the sensor's bias is unknown: a hand may rest on the handle
-  bool arm_overloaded{false};  ///< the joints' load is about to exceed what they can hold
+  bool arm_overloaded{false};  ///< the external torques will soon exceed what the joints can hold
   /// Time of the last tick in which motion was not requested. Devices need some time to react to a new
   /// request: until then, their readings are from before it.
   rt::Nanoseconds withdrawn_at{kNeverWithdrawn};

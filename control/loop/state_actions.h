@@ -27,7 +27,7 @@ class StateActions {
   };
   explicit StateActions(const Parts& parts) : parts_(parts) {}
 
-  /// Applies an event, and begins the hold or the braking that follows from it.
+  /// Applies an event. If its action is to hold or to brake the command, begins that.
   /// @returns the action, for the caller to begin a motion
   safety::CellAction ApplyEvent(safety::CellEvent event) OSTEON_RT;
   /// Applies the event kFault, for a fault that is already latched.

@@ -17,7 +17,7 @@ class ToolTable {
  public:
   /// Sets the tools, and the index of the one in use. May allocate.
   /// @param params  of the loop
-  /// @throws std::invalid_argument naming the entry and what is wrong with it; nothing has changed then.
+  /// @throws std::invalid_argument naming the entry and its error; the table is then unchanged
   void Set(std::vector<LoopTool> tools, int index, const ServoParams& params);
 
   /// Whether `index` is a tool of the table that is not in use.

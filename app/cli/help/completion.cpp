@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// Returns a text in single quotes, which a shell takes literally.
+// Returns a text in single quotes, so that a shell does not interpret it.
 std::string Quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -16,7 +16,7 @@ constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
 constexpr std::size_t kTextColumn = 26;      // column at which explanations begin
 constexpr std::size_t kMaxWordsInHead = 22;  // columns of a word list; a longer one is in the explanation
 
-// Whether an option's accepted words are short enough for its head, as in "--mode a|b".
+// Whether an option's accepted words are short enough to be shown beside its name, as in "--mode a|b".
 bool ShowsWordsInHead(const OptionText& option) {
   return !option.words.empty() && fmt::format("{}", fmt::join(option.words, "|")).size() <= kMaxWordsInHead;
 }

@@ -30,8 +30,8 @@ void AnnounceStudies(CLI::App& app, std::initializer_list<std::string_view> name
 /// Whether a command line names one of the StudyCommands(). Options of `osteon` itself may precede the name.
 [[nodiscard]] bool AsksForStudy(int argc, char** argv);
 
-/// Replaces this process by osteon-studies, which lies beside this program, with the same command line.
-/// @returns the exit code if that fails; stderr then says how it is built.
+/// Replaces this process by osteon-studies, which is in the same folder as this program, with the same
+/// command line. @returns the exit code if that fails; stderr then shows how to build osteon-studies.
 [[nodiscard]] int BecomeStudies(char** argv);
 
 }  // namespace osteon::app

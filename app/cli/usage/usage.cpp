@@ -66,7 +66,8 @@ namespace {
 std::string AcceptedOf(const CLI::App& command, const std::string& name) {
   const CLI::Option* option = command.get_option_no_throw(name);
   std::string type = option ? option->get_type_name() : "";
-  const std::size_t colon = type.find(':');  // the type's name stands before the colon, the range after it
+  // the text before the colon is the type's name, the text after it the range
+  const std::size_t colon = type.find(':');
   std::string range = colon == std::string::npos ? "" : ", " + type.substr(colon + 1);
   type = type.substr(0, colon);
   if (type == "INT" || type == "UINT") type = "a whole number";

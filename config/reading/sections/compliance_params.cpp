@@ -14,7 +14,8 @@ constexpr double kMinToolRelaxation_s = 0.020;  // shortest time constant of a t
 constexpr double kMaxMasslessSum = 0.5;         // rule 1: largest sum of T K c / tau
 constexpr double kMinDampingRatio = 0.05;       // rule 2: smallest damping ratio of a mount
 constexpr double kMaxTurnPerTick = 0.4;         // rule 3: largest sqrt((K + k) / m) T of a mount [rad]
-constexpr double kMinFirstMode_hz = 100.0;      // lowest natural frequency of a tool by itself
+// smallest accepted natural frequency of a tool that is not in contact
+constexpr double kMinFirstMode_hz = 100.0;
 // the cell stops if a tool bends by more than this share of its free length
 constexpr double kBendShare = 0.1;
 constexpr double kThrustShare = 0.5;  // the cell stops if the thrust exceeds this share of the buckling load

@@ -27,8 +27,8 @@ struct ComplianceRefusal {
 [[nodiscard]] control::ToolLinkParams ToolLinkOf(const simulation::ToolCompliance& tool, double relaxation_s,
                                                  double push_N);
 
-/// Makes the loop's layer: the stiffness of each material, and thickness and time constant of the softest
-/// layer. If no material has a layer, HasLayer is false.
+/// Makes the loop's layer: the stiffness of each material's layer, with the thickness and time constant of
+/// the softest one. HasLayer tells whether any material has a layer.
 /// @param engaged_layer_m  as in the engine's cutting parameters
 [[nodiscard]] control::SurfaceLayerParams SurfaceLayerOf(std::span<const simulation::Material> materials,
                                                          const simulation::Tool& tool,

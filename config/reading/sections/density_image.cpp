@@ -63,7 +63,7 @@ tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   return Refusal(fmt::format("a PNG cut off after {} bytes", png.size()));
 }
 
-/// Checks the header against what is accepted.
+/// Refuses a header whose size or format is not accepted.
 tl::expected<void, std::string> CheckHeader(const png_image& header) {
   const bool transparent = (header.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   if ((header.format & PNG_FORMAT_FLAG_COLOR) != 0) return Refusal("a PNG in colour");

@@ -77,7 +77,7 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
         own.mapping_->FailValue("remove", key, "a key that " + base_file.string() + " has");
     }
   }
-  // A new mapping takes this file's entries, then those of the extended file, then the overrides.
+  // Make a new mapping of this file's entries, then those of the extended file, then the overrides.
   Reader merged(std::make_shared<YamlMapping>(path, document, LineOf(document), "", Overlay::PlaceOf(path),
                                               YamlMapping::Base{base_file, base_document}));
   merged.mapping_->known = {"extends", "remove"};

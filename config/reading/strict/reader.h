@@ -84,8 +84,8 @@ class Reader {
   /// The file that this one extends (LoadExtending); empty: none.
   [[nodiscard]] std::filesystem::path Extended() const;
 
-  /// Refuses a key for a reason that only the caller can check, such as one value against another. @throws
-  /// ConfigError at the key's line, with the key and `what`.
+  /// Refuses a key for a reason that only the caller can check, such as a value that does not fit another
+  /// value. @throws ConfigError at the key's line, with the key and `what`.
   [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
   /// File and line of a key, "my.yaml:12", for errors that are found after reading.
   [[nodiscard]] std::string PlaceOf(const std::string& key) const;
