@@ -124,10 +124,11 @@ struct ForceReading {
 /// One reading of the reamer's drive.
 struct SpindleReading {
   rt::Nanoseconds stamp{0};     ///< 0: none yet
-  double speed_rad_per_s{0.0};  ///< of the tool
-  double torque_Nm{0.0};  ///< at the tool; includes friction and the torque that accelerates the spindle
-  bool ready{false};      ///< the drive is configured, and its status messages arrive
-  bool fault{false};      ///< the drive or its connection has a fault; latched by the drive's client
+  double speed_rad_per_s{0.0};  ///< speed of the tool
+  /// torque at the tool; includes friction and the torque that accelerates the spindle
+  double torque_Nm{0.0};
+  bool ready{false};  ///< the drive is configured, and its status messages arrive
+  bool fault{false};  ///< the drive or its connection has a fault; latched by the drive's client
   // Causes of the fault. io::DescribeDriveFaults returns their texts.
   std::uint8_t faults{0};           ///< io::DriveFault bits
   std::uint8_t nmt_state{0};        ///< NMT state in the drive's last heartbeat (CiA 301)

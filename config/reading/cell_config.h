@@ -127,15 +127,17 @@ struct CellConfig {
   RobotConfig robot;
   ToolConfig tool;
   std::filesystem::path tool_file;  ///< the file that `tool` was read from
-  simulation::SceneParams scene;    ///< with the materials that it needs
+  simulation::SceneParams scene;    ///< the scene, with the materials that it needs
   std::optional<BoneConfig> bone;   ///< absent: the scene's own solid
   Pose X_WB{Pose::Identity()};      ///< robot base in world
   Pose X_WG{Pose::Identity()};      ///< pose in the world of the frame C of the bone's site
   StartConfig start;
-  control::ServoParams servo;         ///< with the robot's limits and the tool's spindle speed
-  ComplianceConfig compliance;        ///< as the file states it; the loop's parameters are servo.compliance
-  control::Gains own_gains;           ///< from the cell's file, before a gains file overrides them
-  simulation::CuttingParams cutting;  ///< with the coupling's stiffness and the cell's force limit
+  /// the loop's parameters, including the robot's limits and the tool's spindle speed
+  control::ServoParams servo;
+  ComplianceConfig compliance;  ///< as the file states it; the loop's parameters are servo.compliance
+  control::Gains own_gains;     ///< gains of the cell's file, before a gains file overrides them
+  /// the engine's parameters, including the coupling's stiffness and the cell's force limit
+  simulation::CuttingParams cutting;
   ArmLinkConfig link;
   std::optional<GuardConfig> guard;  ///< absent: the arm sends directly to the address of `link`
   /// Pauses the cell if the console page with the operator's role vanishes.

@@ -16,7 +16,7 @@ namespace osteon::config {
 namespace {
 
 constexpr double kFoot_mm = 150.0;         // half of an arm's foot plus half of a small bone
-constexpr double kLongestTool_mm = 600.0;  // from the flange to the apex
+constexpr double kLongestTool_mm = 600.0;  // largest distance from the flange to the apex
 constexpr double kInMetres_mm = 5.0;       // a position nearer to the origin is probably written in metres
 constexpr double kSteepest_deg = 60.0;     // largest angle between the tool's axis and the site's axis
 constexpr double kUpright_deg = 0.1;  // a smaller tilt of the base is not noted: it is an error of levelling

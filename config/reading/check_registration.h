@@ -17,7 +17,7 @@ namespace osteon::config {
 /// One quantity of a registration, and its accepted range: a row of the table that is shown before a run.
 struct RegistrationRow {
   std::string name;   ///< "from the arm's base to the site"
-  double value{0.0};  ///< in `unit`
+  double value{0.0};  ///< value of the quantity, in `unit`
   std::string unit;   ///< "mm", "deg"
   double low{-std::numeric_limits<double>::infinity()};
   double high{std::numeric_limits<double>::infinity()};

@@ -32,7 +32,7 @@ struct IdentifiedValidity {
 
 /// The springs of an arm with its own impedance control, as parameters of the simulated arm (level dynamic).
 struct IdentifiedImpedance {
-  std::optional<double> translation_N_per_m{}, rotation_Nm_per_rad{};  ///< of Cartesian impedance
+  std::optional<double> translation_N_per_m{}, rotation_Nm_per_rad{};  ///< stiffnesses of Cartesian impedance
   std::optional<double> joint_Nm_per_rad{};  ///< of joint impedance, the same for all joints
   std::optional<double> damping_ratio{};
   bool on_mount{false};  ///< the arm was found to stand on a compliant mount

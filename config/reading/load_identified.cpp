@@ -86,7 +86,7 @@ void RequireHand(const Reader& section, const std::string& name, const std::vect
                                      names.empty() ? "there are none" : names));
 }
 
-constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
+constexpr const char* kLaws[] = {"admittance", "impedance"};  // in the order of control::Law
 
 IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law,
                                 std::vector<Reader>& recordings) {
@@ -217,7 +217,7 @@ IdentifiedFile ReadIdentifiedFile(const std::filesystem::path& file) {
   read.law = law;
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
-  std::vector<std::vector<Reader>> lines;  // of each response
+  std::vector<std::vector<Reader>> lines;  // sections of the lines, for each response
   std::vector<Reader> arms = cell.Sections("arm", 0, kMaxItems),
                       responses = cell.Sections("response", 0, kMaxItems);
   for (Reader& arm : arms) identified.arm.push_back(ReadArm(arm, checks));

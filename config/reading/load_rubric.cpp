@@ -39,7 +39,7 @@ void CheckNorms(const procedure::Rubric& rubric,
 }  // namespace
 
 procedure::Rubric LoadRubric(const std::filesystem::path& path) {
-  constexpr double kMaxNorm = 1e6;  // in the metric's unit
+  constexpr double kMaxNorm = 1e6;  // largest accepted value, in the metric's unit
   Reader reader = Reader::Load(path);
   procedure::Rubric rubric{.name = path.stem().string(), .items = {}, .breach_source = {}};
   // with the key of the value at which the item gives no points

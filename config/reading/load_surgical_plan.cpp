@@ -16,7 +16,7 @@ using procedure::GuidanceCeilings;
 using procedure::GuidanceGains;
 using procedure::SurgicalPlan;
 
-constexpr double kMaxPlace_mm = 2000.0;  // of each coordinate in G
+constexpr double kMaxPlace_mm = 2000.0;  // largest accepted coordinate in G, in magnitude
 constexpr std::size_t kMaxTools = 12;    // reamers or burrs of a plan
 
 // Reads a point in the bone's frame G [m].

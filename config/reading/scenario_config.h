@@ -22,10 +22,10 @@ struct TraceTolerances {
   double angle_rad{1e-5};
   double force_N{0.01};
   double torque_Nm{1e-3};
-  double speed_rad_per_s{0.01};  ///< of the spindle
-  double volume_m3{1e-10};       ///< of bone removed
+  double speed_rad_per_s{0.01};  ///< speed of the spindle
+  double volume_m3{1e-10};       ///< volume of removed bone
   double energy_J{1e-4};
-  double share{1e-3};   ///< of quantities between 0 and 1
+  double share{1e-3};   ///< any quantity between 0 and 1
   double event_s{0.0};  ///< difference in time of a state, a fault or an event of the scene
 };
 

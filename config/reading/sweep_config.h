@@ -18,7 +18,7 @@ enum class SweepDraw : std::uint8_t {
 
 /// A value of the scenario's cell that a sweep changes.
 struct SweepParameter {
-  std::string key;  ///< as in a scenario's overrides: coupling.stiffness_N_per_mm
+  std::string key;  ///< key as in a scenario's overrides: "coupling.stiffness_N_per_mm"
   SweepDraw draw{SweepDraw::kListed};
   std::vector<std::string> values{};  ///< only for kListed
   double low{0.0}, high{0.0};         ///< only for kUniform

@@ -15,7 +15,7 @@ namespace osteon::console {
 struct OpenRequest {
   std::string_view host;    ///< header Host; empty: absent
   std::string_view origin;  ///< header Origin; empty: absent
-  std::string_view token;   ///< from the query; empty: absent
+  std::string_view token;   ///< value of "token=" in the query; empty: absent
 };
 
 /// Checks a request to open. A page of another origin (a site in the same browser) is always refused. A Host

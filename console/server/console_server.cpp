@@ -337,7 +337,7 @@ class Server final : public ConsoleServer {
   std::atomic<std::size_t> pages_open_{0};
   SharedLive live_, second_live_;
   PageSources sources_;
-  std::optional<PageSources> second_;  // for pages that ask for stream=2
+  std::optional<PageSources> second_;  // data for pages that request stream=2; empty: there is one stream
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
 

@@ -44,7 +44,7 @@ class FoxgloveSource {
 
 /// The address of a server for viewers, and the name that it gives them.
 struct FoxgloveParams {
-  std::string name;  ///< of the cell, shown by the viewer
+  std::string name;  ///< name of the cell, which the viewer shows
   /// for any but a loopback address, viewers need a token, which the server makes
   std::string address{"127.0.0.1"};
   int port{kFoxglovePort};  ///< 0: any free one

@@ -27,7 +27,7 @@ class PageClient {
   /// How the carved bone reached the page. A change is a set of bricks of one time, in one message or
   /// several; the first change is the whole bone as it was when the page opened.
   struct Bone {
-    std::uint64_t messages{0}, bytes{0};  ///< of the mesh, after the first change
+    std::uint64_t messages{0}, bytes{0};  ///< messages and bytes of the mesh after the first change
     std::vector<double> whole_s{};  ///< times at which a change was complete, relative to the first one [s]
     std::vector<double> age_ms{};   ///< age of the bone at each of these times
   };

@@ -90,7 +90,7 @@ class SurfaceStore {
   mutable std::mutex mutex_;
   surface::BrickLayout grid_;
   Brick layout_;
-  std::map<std::uint64_t, Brick> bricks_;         // by the brick's number
+  std::map<std::uint64_t, Brick> bricks_;         // bricks by their numbers
   std::map<std::uint64_t, std::uint64_t> order_;  // numbers of the bricks by their versions
   std::uint64_t version_{0};
   std::atomic<std::uint64_t> layout_version_{0};

@@ -19,7 +19,7 @@ namespace osteon::console {
 struct WebServerParams {
   std::string name;               ///< in errors: "console"
   std::string option;             ///< in errors, the option that sets another address: "--console"
-  std::string address;            ///< to listen on
+  std::string address;            ///< address to listen on
   int port{0};                    ///< 0: any free one
   int ports_tried{1};             ///< number of ports that are tried, from `port` on
   int threads{8};                 ///< number of threads, each for one open connection

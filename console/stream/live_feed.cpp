@@ -9,7 +9,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr double kPercentile = 0.99;  // of LiveWindow::compute_p99_us and wakeup_p99_us
+constexpr double kPercentile = 0.99;  // quantile in LiveWindow::compute_p99_us and wakeup_p99_us
 
 double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
 

@@ -62,11 +62,11 @@ class LiveFeed final : public io::RecordSink {
 
   const std::uint64_t kept_;
 
-  // used by the recorder's writer alone
+  // the members below are used only by the recorder's writer
   LiveWindow making_;
   rt::Nanoseconds began_{0};                // stamp of the first tick of making_
   std::uint32_t limits_before_{0};          // limits that acted in the previous window
-  rt::DurationHistogram compute_, wakeup_;  // of all ticks so far
+  rt::DurationHistogram compute_, wakeup_;  // durations of all ticks so far
   std::vector<io::RecordedEvent> waiting_events_;
 
   mutable std::mutex mutex_;         // guards the members below

@@ -245,7 +245,7 @@ class JointFollower final : public ArmFollower {
 
   Joints q_{Joints::Zero()};
   static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
-  // of the last tick
+  // the members below are results of the last tick
   Joints q_step_{Joints::Zero()};
   double motion_scale_{1.0};  // share of the requested motion that the limits allowed
   Points points_{};           // points at the joint positions points_q_

@@ -132,7 +132,7 @@ class CouplingPipeline {
   Pose X_ME_{Pose::Identity()};  // the head in the bone's frame; equals X_WT_ in a rigid cell
   Twist V_ME_;
   CouplingOutput output_;
-  safety::LimitedWrench limited_;    // on T, in W
+  safety::LimitedWrench limited_;    // wrench on T at To, in W
   safety::LimitedWrench limited_E_;  // on the head, in M; equals limited_ in a rigid cell
   double passed_scale_{1.0};         // share of Render's wrench that the later limits left
   bool pressed_{false};

@@ -129,7 +129,7 @@ struct CouplingTick {
 // The planes at a tick's pose.
 struct PlacedPlanes {
   std::array<HalfSpace, kMaxHalfSpaces> half_space;  // bounds on the displacement from tool to proxy
-  std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
+  std::array<Vector3, kMaxContacts> lever_W;         // vectors from To to the contact points
 };
 
 // Checks the model and the pose, and fades the coupling by the model's age. If the model or the pose is

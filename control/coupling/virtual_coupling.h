@@ -69,7 +69,7 @@ struct CouplingInput {
   /// Tool pose, commanded (admittance) or measured (impedance); its rotation orthonormal.
   Pose X_WT{Pose::Identity()};
   Twist V_WT{};            ///< velocity of T at To, in W
-  rt::Nanoseconds now{0};  ///< on the clock of model.pose_stamp; not decreasing
+  rt::Nanoseconds now{0};  ///< time of the tick, on the clock of model.pose_stamp; not decreasing
   bool spindle_turns{false};
 };
 
@@ -84,7 +84,7 @@ enum class ModelStatus : std::uint8_t {
 /// A plane that the proxy lies on: n_W·delta = -g.
 struct ActivePlane {
   Vector3 n_W{Vector3::UnitZ()};     ///< unit, from bone to tool
-  Vector3 lever_W{Vector3::Zero()};  ///< from To to the contact point [m]
+  Vector3 lever_W{Vector3::Zero()};  ///< vector from To to the contact point [m]
   double stiffness_N_per_m{0.0};     ///< K_j, not faded by age
   double force_N{0.0};               ///< force of the faded spring along n, without damping; > 0
 };
@@ -93,7 +93,7 @@ struct ActivePlane {
 struct CouplingOutput {
   static constexpr int kMaxActive = 4;
 
-  Wrench F_T_W;             ///< on the tool, at To, in W; faded, not yet limited
+  Wrench F_T_W;             ///< rendered wrench on the tool, at To, in W: faded, but not limited yet
   Wrench F_contact_T_W;     ///< part of F_T_W that the planes exert; the rest is the spindle's torque
   Wrench F_hand_over_T_W;   ///< part of F_T_W that a hand-over adds to the wrench of the present planes
   double hand_over_s{0.0};  ///< time until the hand-over ends

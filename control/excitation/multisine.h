@@ -20,7 +20,7 @@ struct MultisineState {
 
 /// Odd random-phase multisine: a periodic motion whose power lies on kLines odd harmonics alone.
 ///
-///     x(t) = sum_i a_i cos(2 pi h_i t / P + phi_i)      period P = 4 s, frequencies h_i / P = 0.75 … 59.25 Hz
+///     x(t) = sum_i a_i cos(2 pi h_i t / P + phi_i)     period P = 4 s, frequencies h_i / P = 0.75 … 59.25 Hz
 ///     a_i ~ 1 / f up to 20 Hz (constant speed), ~ 1 / f^2 above (constant acceleration)
 ///
 /// The harmonics h_i are evenly spaced in log(f). Every fourth odd harmonic (7, 15, 23, …) and all even

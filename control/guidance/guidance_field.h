@@ -55,7 +55,7 @@ struct GuidanceExcess {
 /// The guidance at a pose, before it is scaled.
 struct GuidanceField {
   GuidanceExcess excess;
-  Wrench F_T_W;                       ///< on the tool, at To, in W
+  Wrench F_T_W;                       ///< wrench on the tool, at To, in W
   Vector3 f_spring_W{0.0, 0.0, 0.0};  ///< force of funnel and depth without damping
   double potential_J{0.0};            ///< U >= 0; 0 inside the corridor
   bool inside{true};                  ///< every excess is <= 0

@@ -10,7 +10,8 @@ namespace osteon::control {
 
 /// Tuning of the impedance law. Every field has a usable default.
 struct ImpedanceParams {
-  Vector3 damping_Ns_per_m{10.0, 10.0, 10.0};  ///< for each axis of T, in addition to the arm's own; >= 0
+  /// damping for each axis of T, in addition to the arm's own damping; >= 0
+  Vector3 damping_Ns_per_m{10.0, 10.0, 10.0};
   Vector3 damping_Nms_per_rad{0.5, 0.5, 0.5};
   /// Gain of the brake against the part of the tool's twist that speed limit or workspace do not allow. A
   /// brake is needed because the hand moves the arm, so that no command can scale the motion.

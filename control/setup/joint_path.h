@@ -28,7 +28,7 @@ struct JointPathOutput {
   kinematics::JointVectorN<N> qd{kinematics::JointVectorN<N>::Zero()};  ///< [rad/s]
   double progress{0.0};  ///< share of the path that is done, 0 … 1; never falls
   double rate{0.0};      ///< rate of the path's clock, 0 (paused) … 1
-  bool done{false};      ///< at the goal, at rest
+  bool done{false};      ///< the path is at the goal, at rest
 };
 
 /// A straight motion in joint space from the present posture to a goal, with one step per tick.

@@ -205,7 +205,7 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
         mappings_of_place.push_back(&at->second);
     if (mappings_of_place.size() > 1) AddCases(place, key, mappings_of_place, table);
   }
-  std::map<std::string, Keys> required;  // by place
+  std::map<std::string, Keys> required;  // keys that every run requires, by place
   for (const KeyRecorder::Run& run : runs) AddKeys(run, required, table);
   for (const KeyRecorder::Run& run : runs)
     for (const auto& [place, ignored] : run.mappings)

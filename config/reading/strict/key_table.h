@@ -95,7 +95,8 @@ class KeyRecorder {
 
  private:
   friend KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load);
-  std::map<std::string, std::size_t> answers_;  // by question; 0 for a question without an entry
+  // this run's answer to each question; without an entry the answer is 0
+  std::map<std::string, std::size_t> answers_;
   std::vector<std::pair<std::string, std::size_t>>
       asked_;  // questions of this run, with their numbers of answers
   Run run_;
