@@ -14,7 +14,7 @@ namespace osteon::rt {
 /// Without a priority, a late wake-up may also mean that the CPU was busy.
 class CpuWatch {
  public:
-  /// @param priority SCHED_FIFO priority that the threads request; 0: ordinary threads
+  /// @param priority  SCHED_FIFO priority that the threads request; 0: ordinary threads
   explicit CpuWatch(int priority);
   ~CpuWatch();
   CpuWatch(const CpuWatch&) = delete;

@@ -13,7 +13,7 @@ namespace osteon::base {
 /// value found and what is accepted. Allocates nothing unless it throws.
 class ParameterCheck {
  public:
-  /// @param subject name of the set, and the separator before a parameter's name: "sensor bias "; must be a
+  /// @param subject  name of the set, and the separator before a parameter's name: "sensor bias "; must be a
   ///   literal
   constexpr explicit ParameterCheck(std::string_view subject) : subject_(subject) {}
 
@@ -21,7 +21,7 @@ class ParameterCheck {
   void operator()(std::string_view name, double value, double low, double high) const {
     if (!(value >= low && value <= high)) Refuse(name, value, NumberText(low) + " … " + NumberText(high));
   }
-  /// Accepts a finite value if `accepted` is true. @param range text for the error that describes the
+  /// Accepts a finite value if `accepted` is true. @param range  text for the error that describes the
   /// accepted values
   void operator()(std::string_view name, double value, bool accepted, const char* range) const {
     if (!accepted || !std::isfinite(value)) Refuse(name, value, range);

@@ -44,7 +44,7 @@ RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept;
 /// @see Linux, Documentation/power/pm_qos_interface.rst
 bool KeepCpusAwake() noexcept;
 
-/// Sets the calling thread's name, which top, gdb and similar tools show. @param name at most 15 bytes
+/// Sets the calling thread's name, which top, gdb and similar tools show. @param name  at most 15 bytes
 void NameThread(const char* name) noexcept;
 
 /// Raises the calling thread above every ordinary thread (SCHED_FIFO 10, below the servo thread), if the

@@ -21,7 +21,7 @@ constexpr double kMaxDampingRatio = 10.0;  // largest one that the simulated arm
 constexpr double kSameCycle = 0.05;
 
 // Converts a measurement to parameters of the simulated arm. Refuses a dead time or damping ratio that the
-// simulated arm does not accept. @param file the file of the measurement, for the error
+// simulated arm does not accept. @param file  the file of the measurement, for the error
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
     if (!(found >= 0.0 && found <= max))

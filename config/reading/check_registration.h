@@ -74,9 +74,9 @@ void CheckFrames(const CellConfig& cell, const Reader& reader);
 /// - the bone's position, if the flange would be beyond the stretched arm's reach
 /// - start.height_mm
 ///
-/// @param is_possible returns whether the arm can be placed at the start of the given cell; may change that
+/// @param is_possible  returns whether the arm can be placed at the start of the given cell; may change that
 ///   cell
-/// @param what text of the error that makes the start impossible
+/// @param what  text of the error that makes the start impossible
 /// @throws ConfigError always.
 [[noreturn]] void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
                               const std::function<bool(CellConfig&)>& is_possible);

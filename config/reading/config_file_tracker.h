@@ -52,7 +52,8 @@ class ConfigFileTracker {
   /// For Reader: finds a file that the file `by` names by a word alone ("reamer"). Searches first the folder
   /// of this kind ("tools") beside the folder of `by`; for a cell, the folder of `by` itself. Then searches
   /// the shipped folder of this kind; with a root, any folder of this name below the root.
-  /// @param by the file that contains the name. It is never the result: a cell can extend another cell of its
+  /// @param by  the file that contains the name. It is never the result: a cell can extend another cell of
+  /// its
   ///   own name.
   /// @returns the file, or an empty path if there is none.
   [[nodiscard]] static std::filesystem::path FindByName(const std::filesystem::path& by,

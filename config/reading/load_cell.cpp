@@ -35,7 +35,7 @@ namespace {
 // The Read functions fill their part of the cell from a section of its file. The numbers behind a key are its
 // accepted range, in the unit at the key's end.
 
-// @param lbr whether the arm has seven joints: only then the section has an arm angle
+// @param lbr  whether the arm has seven joints: only then the section has an arm angle
 void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);

@@ -14,7 +14,7 @@ namespace {
 
 // Refuses an item that would give more points for a larger error. Refuses items that together give more than
 // 100 points.
-// @param sections each item's section, with the key of the value at which the item gives no points
+// @param sections  each item's section, with the key of the value at which the item gives no points
 void CheckNorms(const procedure::Rubric& rubric,
                 const std::vector<std::pair<Reader, std::string>>& sections) {
   constexpr double kAllPoints = 100.0, kRounding = 1e-9;

@@ -34,7 +34,7 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
-// Checks the token `found` in a request. @param token the server's token; empty: no token is needed
+// Checks the token `found` in a request. @param token  the server's token; empty: no token is needed
 // @returns the reason of a refusal; empty: accepted
 std::string CheckToken(std::string_view found, std::string_view token) {
   return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";

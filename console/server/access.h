@@ -22,7 +22,7 @@ struct OpenRequest {
 /// that names neither the loopback nor `address` is refused too, because a foreign host name can be made to
 /// point to this machine (DNS rebinding). If `address` is 0.0.0.0 or ::, any Host is accepted. If `token` is
 /// not empty, the request must contain it.
-/// @param address address on which the server listens @returns the reason of a refusal; empty: accepted
+/// @param address  address on which the server listens @returns the reason of a refusal; empty: accepted
 [[nodiscard]] std::string CheckAccess(const OpenRequest& request, std::string_view address,
                                       std::string_view token);
 
@@ -34,7 +34,7 @@ struct OpenRequest {
 
 /// Finds the value of a name in a query. Escapes such as %20 are not decoded, because the expected values
 /// have only digits and letters.
-/// @param name including "=", e.g. "token=" @returns the value; empty: absent
+/// @param name  including "=", e.g. "token=" @returns the value; empty: absent
 [[nodiscard]] std::string_view QueryValue(std::string_view query, std::string_view name);
 
 /// Makes a random token of 32 hexadecimal digits.

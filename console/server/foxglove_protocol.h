@@ -49,7 +49,7 @@ using FoxgloveRequest = std::variant<FoxgloveSubscribe, FoxgloveUnsubscribe>;
 [[nodiscard]] tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view bytes,
                                                                               std::size_t channels);
 
-/// Makes the first message to a viewer. @param session a text that differs from run to run
+/// Makes the first message to a viewer. @param session  a text that differs from run to run
 [[nodiscard]] std::string FoxgloveServerInfo(const std::string& name, const std::string& session);
 /// Makes the message that lists the topics.
 [[nodiscard]] std::string FoxgloveAdvertise(std::span<const FoxgloveChannel> channels);

@@ -9,7 +9,7 @@ namespace osteon::console {
 /// Any thread.
 class OperatorRole {
  public:
-  /// Gives the role to a page if no page has it. @param page number of the page, above 0
+  /// Gives the role to a page if no page has it. @param page  number of the page, above 0
   /// @returns whether the page holds it now
   bool Take(std::uint64_t page) {
     const std::lock_guard lock(mutex_);

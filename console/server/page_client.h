@@ -14,7 +14,7 @@ namespace osteon::console {
 /// message, or reads none.
 class PageClient {
  public:
-  /// @param reads false: reads nothing, like a page that hangs The error says why the console refused.
+  /// @param reads  false: reads nothing, like a page that hangs The error says why the console refused.
   [[nodiscard]] static tl::expected<std::unique_ptr<PageClient>, std::string> Open(const std::string& host,
                                                                                    int port, bool reads);
   virtual ~PageClient() = default;

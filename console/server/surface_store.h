@@ -20,7 +20,7 @@ class SurfaceStore {
  public:
   using Bytes = std::shared_ptr<const std::string>;
 
-  /// Removes all bricks and begins a new grid. @param message describes the grid to a page
+  /// Removes all bricks and begins a new grid. @param message  describes the grid to a page
   void Begin(const surface::BrickLayout& grid, std::string message) {
     auto shared = std::make_shared<const std::string>(std::move(message));
     const std::lock_guard lock(mutex_);

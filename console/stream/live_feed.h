@@ -26,7 +26,7 @@ class LiveFeed final : public io::RecordSink {
   static constexpr rt::Nanoseconds kWindow_ns = 33'000'000;  ///< log time of one window
   static constexpr std::size_t kKeptEvents = 200;            ///< number of events that are kept
 
-  /// @param kept number of windows that are kept for slow readers, at least 1; each has 3 kB
+  /// @param kept  number of windows that are kept for slow readers, at least 1; each has 3 kB
   explicit LiveFeed(std::uint64_t kept = kKept);
   void TakeTick(const control::TickRecord& tick) override;
   void TakeFrame(const simulation::FrameRecord& frame) override;

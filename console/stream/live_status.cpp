@@ -138,8 +138,8 @@ nlohmann::json LatencyJson(const LatencyStatus& latency) {
           {"parts", parts}};
 }
 
-// Rendered time as text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s time after which the run ends; 0: no
-// end
+// Rendered time as text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s  time after which the run ends; 0:
+// no end
 std::string TimeText(const LiveStatus& s, double wanted_s) {
   std::string text = wanted_s > 0.0
                          ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)

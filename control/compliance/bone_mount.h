@@ -38,7 +38,7 @@ void Validate(const BoneMountParams& params);
 /// The pads are a massless element (StepMassless) with x_inf = -f / k_creep. M and I are mass and inertia, K
 /// is the stiffness, T the period. The mount alone is stable for w T < 2, with w² = K / m. In contact with a
 /// spring of stiffness K_c, sqrt((K + K_c) / m) T <= 0.4 is needed.
-/// @param F_Mo_W wrench that the bone exerts on the tool, at Mo, in W; the opposite wrench acts on the mount
+/// @param F_Mo_W  wrench that the bone exerts on the tool, at Mo, in W; the opposite wrench acts on the mount
 void StepMount(const BoneMountParams& params, const Wrench& F_Mo_W, double period_s,
                BoneMountState& state) OSTEON_RT;
 

@@ -59,7 +59,7 @@ class Compliance {
   [[nodiscard]] Pose X_WM() const OSTEON_RT;
 
   /// Advances all elements by one tick.
-  /// @param F_E_M rendered wrench of the planes on the head: after all scales and limits, but without depth
+  /// @param F_E_M  rendered wrench of the planes on the head: after all scales and limits, but without depth
   ///   limit, passivity damping and the spindle's torque
   void Step(const Wrench& F_E_M, const simulation::ContactModel& model, const Pose& X_WT) OSTEON_RT;
 

@@ -41,7 +41,7 @@ struct HandOver {
 /// - The energy tank pays for the work of w E.
 ///
 /// Begins a hand-over. Call in the tick in which a frame's planes replace the previous ones.
-/// @param before, after spring wrenches by the old and by the new planes at this tick's pose; `before`
+/// @param before, after  spring wrenches by the old and by the new planes at this tick's pose; `before`
 ///   includes the rest of an earlier hand-over
 void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& before,
                    const Wrench& after) OSTEON_RT;

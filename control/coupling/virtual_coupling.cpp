@@ -261,7 +261,7 @@ Wrench TurnSpring(const CouplingTick& tick, const Wrench& spring, CouplingState&
 }
 
 // Factor on the spring's wrench, c in the header: damping along the resultant, at most damping_share of the
-// spring's force, times the fade by age. @param spring_N |spring.f|
+// spring's force, times the fade by age. @param spring_N  |spring.f|
 double DampingScale(const CouplingTick& tick, const Wrench& spring, double spring_N, double fade) {
   if (!(spring_N > 0.0)) return 0.0;
   const Twist& V_WT = tick.input.V_WT;

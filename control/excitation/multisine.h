@@ -37,7 +37,7 @@ class Multisine {
   /// up to this frequency, all lines have the same speed amplitude
   static constexpr double kFlatSpeed_hz = 20.0;
 
-  /// For set-up; takes some 10 ms. @param seed of the random phases
+  /// For set-up; takes some 10 ms. @param seed  of the random phases
   /// @param peak_speed_m_per_s  largest speed; > 0
   /// @throws std::invalid_argument if the peak speed is not > 0
   Multisine(std::uint64_t seed, double peak_speed_m_per_s);

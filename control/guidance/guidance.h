@@ -24,7 +24,7 @@ struct GuidanceInput {
 /// object, whose state is at rest. Copying does not allocate.
 class Guidance {
  public:
-  /// @param max_speed_m_per_s speed limit of the tool, for the check of the force's growth @param period_s >
+  /// @param max_speed_m_per_s  speed limit of the tool, for the check of the force's growth @param period_s >
   ///   0
   /// @throws std::invalid_argument as Validate.
   Guidance(const GuidanceParams& params, double max_speed_m_per_s, double period_s);

@@ -27,7 +27,7 @@ class GuidanceScale {
   void Reset() OSTEON_RT { *this = {}; }
 
   /// First half of a tick. @returns the largest scale that gain, ramp and energy allow
-  /// @param max_scale the gain, or less if the contact model is old; 0 … 1
+  /// @param max_scale  the gain, or less if the contact model is old; 0 … 1
   [[nodiscard]] double ProposeScale(const GuidanceField& field, const Pose& X_WT, double max_scale,
                                     double dt_s) OSTEON_RT;
   /// Second half of a tick: sets the scale that the limits of force and torque allow, at most the proposed

@@ -13,7 +13,7 @@ constexpr double kMaxCentre_m = 10.0;  // largest accepted coordinate of the cen
 
 // Converts an inertia or drag that is diagonal at C to the 6x6 matrix at To, in T: A^T diag(linear, angular)
 // A with A = [1 -c×; 0 1].
-// @param c vector from To to C, in T
+// @param c  vector from To to C, in T
 Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix3 c_cross;
   c_cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;

@@ -23,7 +23,7 @@ class GainRamp {
  public:
   static constexpr double kRampSeconds = 1.0;
 
-  /// @param begin the acting gains at the beginning @param period_s period of Step, > 0
+  /// @param begin  the acting gains at the beginning @param period_s  period of Step, > 0
   GainRamp(const Gains& begin, double period_s) : now_(begin), target_(begin), period_s_(period_s) {}
 
   /// Sets the target gains. @pre valid gains

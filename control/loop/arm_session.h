@@ -27,7 +27,7 @@ class ArmSession {
   void UpdateStandstill(const JointArray& q_meas) OSTEON_RT;
 
   /// Whether the arm takes commands.
-  /// @param moves whether the loop moves or brakes the arm. If so, the result is also false if the arm has
+  /// @param moves  whether the loop moves or brakes the arm. If so, the result is also false if the arm has
   ///   left COMMANDING_ACTIVE and returned since motion began
   [[nodiscard]] bool TakesCommands(const ArmState& state, bool moves) const OSTEON_RT;
   /// Whether the arm has stayed in the activation in which motion began. If so, the arm is still at the
@@ -48,7 +48,7 @@ class ArmSession {
   void ResetTwist() OSTEON_RT { twist_.Reset(X_WT_); }
 
   /// Call after a change of tool. The measured pose becomes that of the new tool, at rest.
-  /// @param X_TN pose of the new tool's frame in the old tool's frame
+  /// @param X_TN  pose of the new tool's frame in the old tool's frame
   void ChangeTool(const Pose& X_TN) OSTEON_RT {
     X_WT_ = X_WT_ * X_TN;
     twist_.Reset(X_WT_);

@@ -12,7 +12,7 @@ namespace osteon::control {
 /// Receives gains that another thread requests, and moves the acting gains to them along a ramp.
 class GainRequests {
  public:
-  /// @param gains gains at the beginning; their coupling stiffness is the largest one that may be requested
+  /// @param gains  gains at the beginning; their coupling stiffness is the largest one that may be requested
   GainRequests(const Gains& gains, double period_s);
 
   /// Requests other gains. If no tick has taken the previous request yet, the new one replaces it. Call from

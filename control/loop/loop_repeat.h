@@ -24,7 +24,7 @@ TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulat
 /// Every tick must be repeated, from the first on. For one thread.
 class LoopRepeat {
  public:
-  /// @param second must not have computed a tick yet; must not be used elsewhere from now on
+  /// @param second  must not have computed a tick yet; must not be used elsewhere from now on
   explicit LoopRepeat(ServoLoop& second) : second_(second) {}
 
   /// Stores a recorded tick of the first loop, and the contact model that it was given.

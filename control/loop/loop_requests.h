@@ -18,7 +18,7 @@ class LoopRequests {
   void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }
   void RequestRecovery() OSTEON_RT { recovery_.store(true, std::memory_order_relaxed); }
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
-  /// @param index index in the loop's table of tools
+  /// @param index  index in the loop's table of tools
   void RequestTool(int index) OSTEON_RT { tool_.store(index, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 

@@ -39,7 +39,7 @@ class MotionChecks {
   void CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT;
   /// Ends a motion if the arm is too far from its command, has stopped by itself, or is about to overload its
   /// joints, or if a stop or a pause was requested.
-  /// @param overloaded whether the joints' load is about to exceed what they can hold
+  /// @param overloaded  whether the joints' load is about to exceed what they can hold
   void CheckMotion(const ArmState& state, bool overloaded) OSTEON_RT;
   /// Checks sensor, spindle and hand on the path to the start. Nothing is rendered there, so the model's age
   /// is not checked; without the PLC's permission the path is paused (MotionStart::StepPath).

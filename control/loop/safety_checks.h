@@ -55,9 +55,9 @@ class SafetyChecks {
   [[nodiscard]] safety::FaultSet CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
   /// Checks the coupling's wrench before it is limited. It must be finite, be computed from a credible
   /// contact model, and grow no faster than a real contact allows (safety::WrenchRateTrip).
-  /// @param dt_s time between the tool poses of this wrench and of the previously checked one
+  /// @param dt_s  time between the tool poses of this wrench and of the previously checked one
   [[nodiscard]] safety::FaultSet CheckCoupling(const CouplingOutput& coupling, double dt_s) OSTEON_RT;
-  /// Checks the measured speed of the tool. @param limit_m_per_s speed limit that the commanded motion keeps
+  /// Checks the measured speed of the tool. @param limit_m_per_s  speed limit that the commanded motion keeps
   [[nodiscard]] safety::FaultSet CheckArmSpeed(const ArmState& state, const Vector3& p_WT,
                                                double limit_m_per_s) OSTEON_RT;
   /// Call while the loop does not command the arm: its speed is not checked then.

@@ -16,7 +16,7 @@ class ManualCommands {
 
   /// Whether `manual` or `completion` was on the command line.
   [[nodiscard]] bool asked() const { return manual_->parsed() || completion_->parsed(); }
-  /// @param apps the executables that are documented as one command; the first one has the command's name
+  /// @param apps  the executables that are documented as one command; the first one has the command's name
   /// @returns the process's exit code.
   [[nodiscard]] int Run(std::span<const CLI::App* const> apps) const;
 

@@ -19,8 +19,8 @@ namespace osteon::app {
 
 /// Adds `--device`.
 void AddDeviceOption(CLI::App& sub, std::string& device);
-/// Adds `--engine`. @param names the accepted names, including "auto"
-/// @param use purpose of the engine, as text for the help; @param rest text after the explanation of "auto"
+/// Adds `--engine`. @param names  the accepted names, including "auto"
+/// @param use  purpose of the engine, as text for the help; @param rest  text after the explanation of "auto"
 void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
                      const std::string& use, const std::string& rest = "");
 

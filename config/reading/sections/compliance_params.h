@@ -76,7 +76,7 @@ struct ComplianceRefusal {
 ///
 ///     w² = (K + k) / m along an axis,   w² = (K L² + k_r) / I about it
 ///
-/// @param p_W_m position of the site in W
+/// @param p_W_m  position of the site in W
 [[nodiscard]] std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams& mount,
                                                                double stiffness_N_per_m, double period_s,
                                                                const Vector3& p_W_m);

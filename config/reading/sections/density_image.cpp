@@ -96,7 +96,7 @@ struct PngImage {
 };
 
 /// Reads a class of densities: its upper bound and its material.
-/// @param last whether this is the last class of the list, which takes all denser bone and has no bound
+/// @param last  whether this is the last class of the list, which takes all denser bone and has no bound
 simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMaterial& read_material) {
   constexpr const char* kBound = "below_g_per_cm3";
   simulation::DensityClass read;

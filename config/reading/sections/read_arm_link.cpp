@@ -62,7 +62,7 @@ void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
                                quality.excellent_after_answers, answers_per_s));
 }
 
-// Reads section `rsi` for the loop's end. @param[out] jump_accepted value of accept_jump_after_lost_answers
+// Reads section `rsi` for the loop's end. @param[out] jump_accepted  value of accept_jump_after_lost_answers
 io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   io::RsiSessionParams session;
   session.layout =

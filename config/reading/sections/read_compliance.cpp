@@ -27,7 +27,7 @@ GivesWay ReadGivesWay(Reader& section, const char* key) {
   return static_cast<GivesWay>(section.Choice(key, {"off", "on", "auto"}));
 }
 
-// Reads section `bone_mount` and converts the mount's position to W. @param[out] source source of the values
+// Reads section `bone_mount` and converts the mount's position to W. @param[out] source  source of the values
 control::BoneMountParams ReadMount(Reader section, const Pose& X_WG, std::string& source) {
   control::BoneMountParams mount;
   source = section.Text("source");

@@ -17,7 +17,7 @@ std::optional<Reader> ReadCompliance(Reader& cell_section, CellConfig& cell);
 /// Decides which parts with `auto` are compliant, makes the loop's parameters (ServoParams::compliance), and
 /// refuses parameters with which the loop would be unstable. Call after robot, tool, scene, materials and
 /// script are read.
-/// @param section result of ReadCompliance; absent: all parts are rigid
+/// @param section  result of ReadCompliance; absent: all parts are rigid
 /// @throws ConfigError naming the value, and the value that is needed.
 void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell);
 

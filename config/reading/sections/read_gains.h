@@ -32,7 +32,7 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
 /// Reads the gains file again and applies it to the cell's own gains. Returns the gains that a running loop
 /// may change to.
 /// @param own  the gains of the cell's own file
-/// @param max_stiffness_N_per_m coupling stiffness with which the run was started; no later gains may exceed
+/// @param max_stiffness_N_per_m  coupling stiffness with which the run was started; no later gains may exceed
 ///   it
 /// @throws ConfigError naming file, line, what was found and what is accepted.
 [[nodiscard]] control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law law,

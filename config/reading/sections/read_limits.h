@@ -21,7 +21,7 @@ void ReadZones(Reader& cell, const Pose& X_WG, safety::WorkspaceParams& workspac
 /// Reads the cell's optional section `depth_limit`.
 void ReadDepthLimit(Reader& cell, const Pose& X_WG, safety::DepthLimitParams& depth);
 /// Checks the values of `depth_limit` against each other. Call after Finish().
-/// @param coupling_N_per_m the coupling's stiffness in the cell's file; gains that lower it also lower the
+/// @param coupling_N_per_m  the coupling's stiffness in the cell's file; gains that lower it also lower the
 ///   depth limit's stiffness
 void CheckDepthLimit(Reader cell, const safety::DepthLimitParams& depth, double coupling_N_per_m);
 

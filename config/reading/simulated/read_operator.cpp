@@ -8,7 +8,7 @@ namespace osteon::config {
 namespace {
 
 // Reads an incident in which something holds the tool: the keys that grip step and clamp share.
-// @param bound_factor factor on the upper bounds of a hand's stiffness and damping
+// @param bound_factor  factor on the upper bounds of a hand's stiffness and damping
 template <typename Held>
 Held ReadHeld(Reader& section, double bound_factor) {
   Held held;

@@ -115,7 +115,7 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required,
 }
 
 // Adds the cases of one key: for each word of the key, the keys that depend on this word.
-// @param runs the notes on the mapping from several runs, which differ only in the word of this key
+// @param runs  the notes on the mapping from several runs, which differ only in the word of this key
 void AddCases(const std::string& place, const std::string& key,
               const std::vector<const KeyRecorder::Mapping*>& runs, KeyTable& table) {
   Keys somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());

@@ -43,7 +43,7 @@ class Overlay {
   /// Overrides values of the root by the mapping `key` of a YAML file; does nothing without such a key.
   /// @throws ConfigError if it is not a mapping of different keys.
   void SetFromFile(const std::filesystem::path& file, const std::string& key);
-  /// Overrides one value of the root. @param assignment "limits.max_force_N=150"; errors quote it, preceded
+  /// Overrides one value of the root. @param assignment  "limits.max_force_N=150"; errors quote it, preceded
   /// by `said_by`. @throws ConfigError if it is not an assignment.
   void Set(const std::string& assignment, const std::string& said_by);
   /// Call after the root was read. @throws ConfigError if a value had no effect, because its key leads into a
