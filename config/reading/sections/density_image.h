@@ -32,7 +32,7 @@ using ReadMaterial = std::function<simulation::MaterialIndex(Reader& section, co
 ///     density_g_per_cm3: [0, 2]             densities of black and of white; linear between them
 ///     axis: [0, 0, 1]                       unit vector in the mesh's frame, along which the columns lie
 ///     column_heights_mm: [-20, 20]          positions of the first and the last column along the axis
-///     classes:                              in ascending order; the last one, without bound, takes all denser bone
+///     classes:                              in ascending order; the last one has no bound
 ///       - {below_g_per_cm3: 1, material: cancellous}
 ///       - {material: cortical}
 ///

@@ -18,7 +18,7 @@ struct SimulatedArmSection {
 ///     level: kinematic | servo | dynamic, bandwidth_hz, damping_ratio, dead_time_ms, [start_offset_deg]
 ///     (the dynamic arm rounds its dead time to whole periods)
 ///     dynamic: {…}, of an LBR
-///     monitor_deg, or for Cartesian corrections monitor_mm and monitor_deg: beyond, the KR's controller ends RSI
+///     monitor_deg, or for Cartesian corrections monitor_mm and monitor_deg: range of the KR's monitor,
 ///     [delay_in_a_row], [ask_again], [start_again_s]
 [[nodiscard]] SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell);
 
