@@ -1,5 +1,5 @@
 // The command osteon-studies: benchmarks, charts, failures, studies, and the manual of both programs.
-// `osteon` hands over to it. Exit codes as in osteon_program.h.
+// `osteon` starts it for these subcommands. osteon_program.h lists the exit codes.
 
 #include <filesystem>
 #include <string>

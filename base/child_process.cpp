@@ -17,9 +17,10 @@
 namespace osteon::base {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval{5};  // between checks whether the process has ended
+// time between two checks whether the process has ended
+constexpr std::chrono::milliseconds kPollInterval{5};
 
-// Makes `descriptor` write to a file. Runs between fork and exec, where only async-signal-safe calls are
+// Makes `descriptor` write to a file. Called between fork and exec, where only async-signal-safe calls are
 // permitted.
 void Redirect(const char* file, int descriptor) {
   const int opened = open(file, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
@@ -60,7 +61,7 @@ tl::expected<std::unique_ptr<ChildProcess>, std::string> ChildProcess::Start(Chi
   if (pid == 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(1);
-    setpgid(0, 0);  // Ctrl-C then reaches the parent alone, which ends this process
+    setpgid(0, 0);  // Ctrl-C then reaches only the parent, which ends this child
     if (!params.folder.empty() && chdir(params.folder.c_str()) != 0) _exit(126);
     Redirect(params.out.c_str(), STDOUT_FILENO);
     if (!params.err.empty()) Redirect(params.err.c_str(), STDERR_FILENO);

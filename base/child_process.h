@@ -28,8 +28,8 @@ struct ChildParams {
 /// Returns the number of a process that `parent` has started with `word` as an argument; 0 if there is none.
 [[nodiscard]] pid_t FindChild(pid_t parent, const std::string& word);
 
-/// A child process that runs this program or another. It ends with this process, however this process ends,
-/// and gets no Ctrl-C.
+/// A child process that runs this program or another. The child ends when this process ends, even if this
+/// process is killed. Ctrl-C in the terminal does not reach the child.
 class ChildProcess {
  public:
   /// Starts the process. The error says why that failed.

@@ -26,7 +26,8 @@ void CpuWatch::Watch(int cpu, int priority) {
     const Nanoseconds due = MonotonicNow() + kMillisecond;
     SleepUntil(due);
     const Nanoseconds late = MonotonicNow() - due;
-    Nanoseconds longest = longest_.load();  // raised to `late`, unless another thread raises it further
+    // the loop below raises longest_ to `late`, unless another thread has stored more
+    Nanoseconds longest = longest_.load();
     while (late > longest && !longest_.compare_exchange_weak(longest, late)) {
     }
   }

@@ -9,12 +9,12 @@
 namespace osteon::rt {
 
 /// Measures how late each CPU of this machine wakes a thread: on each CPU a thread sleeps for a millisecond
-/// at a time. With a priority above every other thread, the watch finds a CPU that stands still, as a virtual
-/// machine's CPU does for tens of milliseconds while its host runs something else. Without a priority it also
-/// finds a CPU that is busy.
+/// at a time. If the watch has a priority above every other thread, a late wake-up shows that the CPU stood
+/// still: a virtual machine's CPU stands still for tens of milliseconds while its host runs something else.
+/// Without a priority, a late wake-up may also mean that the CPU was busy.
 class CpuWatch {
  public:
-  /// @param priority  of the threads, SCHED_FIFO, if it is granted; 0: ordinary threads
+  /// @param priority  SCHED_FIFO priority that the threads request; 0: ordinary threads
   explicit CpuWatch(int priority);
   ~CpuWatch();
   CpuWatch(const CpuWatch&) = delete;

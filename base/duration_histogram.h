@@ -18,7 +18,8 @@ class DurationHistogram {
   static constexpr int kPerOctave = 128;
   static constexpr int kBins = kOctaves * kPerOctave;
 
-  /// Adds a value. Negative values count as 0, values beyond the range as the range's end; max() stays exact.
+  /// Adds a value. A negative value counts as 0, a value beyond the range as the range's end. max() is exact
+  /// in any case.
   void Add(Nanoseconds value) OSTEON_RT {
     value = std::max<Nanoseconds>(value, 0);
     ++bins_[static_cast<std::size_t>(BinOf(value))];
@@ -30,8 +31,8 @@ class DurationHistogram {
   [[nodiscard]] Nanoseconds max() const OSTEON_RT { return max_; }
   [[nodiscard]] const std::array<std::uint64_t, kBins>& bins() const OSTEON_RT { return bins_; }
 
-  /// Returns the value below which the given share of all values lies: the middle of its bin, at most max().
-  /// 0 if empty.
+  /// Returns the value below which the given share of all values lies, to the resolution of the bins: the
+  /// middle of the bin, at most max(). 0 if the histogram is empty.
   /// @param share  0 … 1, e.g. 0.999
   [[nodiscard]] Nanoseconds Quantile(double share) const OSTEON_RT {
     const double rank = share * static_cast<double>(count_);
@@ -46,7 +47,7 @@ class DurationHistogram {
 
   /// Smallest value of a bin [ns]; for kBins, the end of the range.
   [[nodiscard]] static constexpr Nanoseconds LowerEdge(int bin) OSTEON_RT {
-    if (bin < kPerOctave) return bin;  // the first octaves are narrower than kPerOctave: one value per bin
+    if (bin < kPerOctave) return bin;  // a value below kPerOctave has a bin of its own
     const int octave = bin / kPerOctave, part = bin % kPerOctave;
     return static_cast<Nanoseconds>(kPerOctave + part) << (octave - 1);
   }
@@ -54,7 +55,7 @@ class DurationHistogram {
   /// Number of the bin that counts a value [ns]; the last bin for values beyond the range.
   [[nodiscard]] static constexpr int BinOf(Nanoseconds value) OSTEON_RT {
     if (value < kPerOctave) return static_cast<int>(value);
-    // keep the highest 8 bits, a number from kPerOctave to 2 kPerOctave - 1
+    // Shift the value so that its highest 8 bits remain: a number from kPerOctave to 2 kPerOctave - 1.
     const int shift = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(value))) - 8;
     const int bin = (shift + 1) * kPerOctave + static_cast<int>((value >> shift) - kPerOctave);
     return std::min(bin, kBins - 1);

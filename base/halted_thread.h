@@ -10,8 +10,8 @@
 namespace osteon::base {
 
 /// Halts a thread of a child process, as if it hung or were dead, while the rest of that process goes on. The
-/// thread continues when this object is destroyed. Uses the system's means for debuggers (ptrace), so the
-/// other process need not take part.
+/// thread continues when this object is destroyed. Uses ptrace, as a debugger does, so the other process
+/// needs no code for this.
 class HaltedThread {
  public:
   /// @param name  of one of the process's threads, see rt::NameThread

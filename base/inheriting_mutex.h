@@ -11,7 +11,7 @@ namespace osteon::rt {
 /// priority. With a std::mutex, the first would wait until a busy machine has time for the second.
 class InheritingMutex {
  public:
-  /// @throws std::system_error where the system has no such mutex.
+  /// @throws std::system_error if the system has no mutex with priority inheritance.
   InheritingMutex() {
     pthread_mutexattr_t attributes;
     pthread_mutexattr_init(&attributes);

@@ -7,8 +7,8 @@
 namespace osteon::base {
 namespace {
 
-// `timeout` and some service managers send the same signal twice at once: to the process and to its group.
-// Only a second signal after this time ends the process.
+// `timeout` and some service managers send a signal twice at the same time: to the process and to its group.
+// Only a second signal that comes later than this ends the process [ns].
 constexpr rt::Nanoseconds kSameSignal = 500'000'000;
 
 std::atomic<bool> g_interrupted{false};
@@ -20,7 +20,8 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 
 extern "C" void OnSignal(int signal_number) {
   RequestInterrupt(signal_number);
-  if (signal_number == SIGHUP) return;  // the system, the shell and a service manager may each send one
+  // a second SIGHUP ends nothing: the system, the shell and a service manager may each send one
+  if (signal_number == SIGHUP) return;
   const rt::Nanoseconds now = rt::MonotonicNow();
   rt::Nanoseconds first = 0;
   if (!g_first.compare_exchange_strong(first, now) && now - first > kSameSignal) {

@@ -10,8 +10,8 @@ namespace osteon::base {
 [[nodiscard]] std::atomic<bool>& Interrupted();
 /// Installs the handlers. A SIGHUP that is ignored (`nohup`) stays ignored.
 void InstallInterrupt();
-/// Sets the flag as if the signal had come: SIGPIPE if nobody reads the output any more, kOperatorsStop for a
-/// stop by `osteon stop` or the console. Any thread.
+/// Sets the flag as if this signal had arrived: SIGPIPE if nobody reads the output any more, kOperatorsStop
+/// for a stop by `osteon stop` or the console. Any thread.
 void RequestInterrupt(int signal_number) noexcept;
 inline constexpr int kOperatorsStop = 1000;  // larger than the number of any signal
 /// Name of the first request: "SIGINT", "SIGTERM", "SIGHUP", "SIGPIPE", "operator"; empty if there was none.
@@ -28,11 +28,12 @@ struct OperatorRequests {
 /// Installs the handlers of SIGUSR1 and SIGUSR2.
 void InstallPauseSignals();
 
-/// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. Also for SIGTERM.
+/// Exit code of a run that was ended by Ctrl-C, as a shell reports it: 128 + SIGINT. A run that was ended by
+/// SIGTERM has the same exit code.
 inline constexpr int kExitInterrupted = 130;
 
 /// Exit code of an interrupted process: 129 (128 + SIGHUP) if the terminal was closed, 141 (128 + SIGPIPE) if
-/// nobody reads the output, 0 after an operator's stop, which is an end in order, else `ctrl_c`.
+/// nobody reads the output, 0 after an operator's stop, since such an end is no failure. Otherwise `ctrl_c`.
 [[nodiscard]] int InterruptExitCode(int ctrl_c = kExitInterrupted);
 
 }  // namespace osteon::base

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 // Reads values from JSON that another program wrote. If a key is missing, or its value has another type, the
-// functions return the caller's value `otherwise`. They do not throw.
+// functions return the argument `otherwise`. They do not throw.
 
 namespace osteon::base {
 

@@ -16,8 +16,9 @@ namespace osteon::rt {
 ///
 /// The writer never waits and overwrites a value that was not read; the reader always gets the newest
 /// complete value. One atomic byte holds the roles of the three slots: bits 0-1 are the middle slot, bit 2
-/// says "middle is newer than front". Memory order: the exchange in Store releases the slot that was written
-/// and acquires the slot that it gets back; the same holds for Load.
+/// says "middle is newer than front". Memory order: the exchange in Store releases the slot that the writer
+/// has filled and acquires the slot that it gets in return. The exchange in Load does the same for the
+/// reader's slots.
 template <class T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>, "a torn-free hand-over is promised for plain data only");

@@ -61,7 +61,7 @@ tl::expected<MappedFile, FileError> MappedFile::Open(const std::filesystem::path
   void* start = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
   if (start == MAP_FAILED)
     return Refuse(path, "that it cannot be mapped: " + std::generic_category().message(errno), "");
-  madvise(start, size, MADV_WILLNEED);  // a hint to read ahead: affects only the time
+  madvise(start, size, MADV_WILLNEED);  // a hint to read ahead, which affects only the speed
   mapped.bytes_ = {static_cast<const std::byte*>(start), size};
   return mapped;
 }

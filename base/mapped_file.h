@@ -11,12 +11,12 @@
 
 namespace osteon::simulation {
 
-/// A regular file's bytes, mapped read-only. The bytes stay unchanged while somebody replaces the file by a
-/// rename, as OutputFile does. Truncating the file in place under a reader ends the process, as with every
-/// mapping.
+/// A regular file's bytes, mapped read-only. The bytes stay unchanged if somebody replaces the file by a
+/// rename, as OutputFile does. If somebody truncates the file in place, reading the bytes ends the process,
+/// as with every mapping.
 class MappedFile {
  public:
-  /// Opens a file without ever waiting: a pipe or a device is refused unread.
+  /// Opens a file without waiting: a pipe or a device is refused without reading from it.
   [[nodiscard]] static tl::expected<MappedFile, FileError> Open(const std::filesystem::path& path);
 
   MappedFile() = default;

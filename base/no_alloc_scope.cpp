@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <new>
 
-// Replaces glibc's heap functions and pthread_mutex_lock by functions that count and then call the original.
-// Left out under sanitizers, which replace the heap themselves.
+// Replaces glibc's heap functions and pthread_mutex_lock by functions that count the call and then call the
+// original. Not compiled under a sanitizer, which has its own heap functions.
 #if defined(OSTEON_SANITIZED)
 #define OSTEON_COUNTS_HEAP 0
 #else

@@ -11,7 +11,7 @@ class NoAllocScope {
   NoAllocScope(const NoAllocScope&) = delete;
   NoAllocScope& operator=(const NoAllocScope&) = delete;
 
-  /// Whether calls can be counted in this build: a sanitizer replaces the heap by its own.
+  /// Whether calls can be counted in this build. Not with a sanitizer, which has its own heap functions.
   [[nodiscard]] static bool Counts();
 
   [[nodiscard]] int heap_calls() const;

@@ -23,7 +23,7 @@ FileError Failure(const std::filesystem::path& path, std::optional<std::uint64_t
           .accepted = ""};
 }
 
-// Follows symbolic links to the path that the last one names, whether a file exists there or not.
+// Follows symbolic links and returns the path that the last link names, whether a file exists there or not.
 std::filesystem::path EndOfLinks(std::filesystem::path path) {
   constexpr int kMaxLinks = 40;  // the system's own limit
   std::error_code error;
@@ -102,7 +102,7 @@ void OutputFile::Write(std::span<const std::byte> bytes) {
 }
 
 tl::expected<void, FileError> OutputFile::Commit() {
-  // a pipe or device does not support fsync: no failure
+  // a pipe or a device does not support fsync: its error is no failure
   if (error_ == 0 && fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) error_ = errno;
   Close();
   if (error_ == 0 && !temporary_.empty()) {

@@ -12,9 +12,9 @@
 
 namespace osteon::simulation {
 
-/// A file that appears whole or not at all. Bytes go to a temporary file beside it, which takes its name and
-/// its permissions on Commit. A device or a pipe is written directly. A symbolic link is followed and stays a
-/// link, even where its target does not exist yet.
+/// A file that appears whole or not at all. Bytes go to a temporary file in the same folder. Commit renames
+/// this file to the final name; the permissions of an existing file are kept. A device or a pipe is written
+/// directly. A symbolic link stays a link: its target is written, even if the target does not exist yet.
 ///
 ///     auto file = OutputFile::Create("bone.osp");
 ///     file->Write(bytes);           // errors are kept until Commit
@@ -24,7 +24,7 @@ class OutputFile {
   /// Opens the temporary file. The error says why it cannot be written.
   [[nodiscard]] static tl::expected<OutputFile, FileError> Create(const std::filesystem::path& path);
 
-  /// Without Commit, deletes the temporary file; an earlier file of this name stays.
+  /// Without Commit, deletes the temporary file; an earlier file of the final name stays.
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -42,7 +42,7 @@ class OutputFile {
       : path_(std::move(path)), temporary_(std::move(temporary)), fd_(fd) {}
   void Close();
 
-  std::filesystem::path path_, temporary_;  ///< temporary_ is empty where the file is written in place
+  std::filesystem::path path_, temporary_;  ///< temporary_ is empty if the file is written in place
   int fd_{-1};
   int error_{0};  ///< errno of the first failure
   std::uint64_t written_{0};

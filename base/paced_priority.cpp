@@ -6,8 +6,9 @@
 namespace osteon::rt {
 namespace {
 
-constexpr Nanoseconds kWindow = 100 * kMillisecond;  // time over which the thread's work is counted
-constexpr int kPriority = 5;                         // SCHED_FIFO, while the thread is raised
+// shortest time over which the thread's work is compared with the limits
+constexpr Nanoseconds kWindow = 100 * kMillisecond;
+constexpr int kPriority = 5;  // SCHED_FIFO priority of a raised thread
 
 }  // namespace
 
@@ -39,7 +40,7 @@ void PacedPriority::CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept {
 void PacedPriority::Set(bool lifted) noexcept {
   is_lifted_ = lifted;
   const sched_param priority{.sched_priority = lifted ? kPriority : 0};
-  // a thread that this thread starts (to pack coarser zones) gets an ordinary priority
+  // Threads that this thread starts (to pack coarser zones) must get an ordinary priority.
   (void)sched_setscheduler(0, lifted ? SCHED_FIFO | SCHED_RESET_ON_FORK : SCHED_OTHER, &priority);
 }
 

@@ -4,14 +4,14 @@
 
 namespace osteon::rt {
 
-/// Raises the calling thread above every ordinary thread (SCHED_FIFO 5, below servo and PLC), as long as it
-/// leaves them CPU time. Used for the simulation: its next frame must not wait for a third of a second behind
-/// a browser that draws on the processor.
+/// Raises the calling thread above every ordinary thread (SCHED_FIFO 5, below the threads of servo loop and
+/// PLC), as long as it leaves CPU time to the ordinary threads. Used for the simulation: without it, a frame
+/// may wait a third of a second while a browser draws on the same processor.
 ///
 /// A raised thread that works for more than 80 % of a window of 0.1 s becomes an ordinary thread, because it
 /// would keep the recorder and the views from the CPU. It is raised again after a window in which it worked
-/// for less than half of the time. Time in which the thread waits, for a lock, a disk or the CPU itself, is
-/// no work.
+/// for less than half of the time. Time in which the thread waits for a lock, a disk or a CPU is not counted
+/// as work.
 ///
 /// If the system does not grant real-time priorities, nothing changes. One thread creates, uses and destroys
 /// this object.
@@ -26,7 +26,7 @@ class PacedPriority {
   void CountWork(Nanoseconds now) noexcept;
   /// As above, with the thread's CPU time at `now` given by the caller.
   void CountWork(Nanoseconds now, Nanoseconds cpu_time) noexcept;
-  /// Whether the thread is raised, as far as the system grants it.
+  /// Whether raising the thread was requested last. The system may have refused it.
   [[nodiscard]] bool is_lifted() const noexcept { return is_lifted_; }
 
  private:

@@ -16,8 +16,9 @@ namespace osteon::simulation {
 }
 
 /// Calls `body(begin, end)` for chunks that together cover [0, count), on at most `threads` threads; returns
-/// when all are done. Which thread takes which chunk is not determined, but the chunks' borders are. A body
-/// that writes only to its own elements therefore gives the same result with any number of threads.
+/// when all are done. Any thread may take any chunk, but the borders of the chunks do not depend on the
+/// number of threads. A body that writes only to its own elements therefore gives the same result with any
+/// number of threads.
 /// @throws the first exception of a body; the remaining chunks are skipped.
 template <typename Body>
 void ParallelFor(std::size_t count, int threads, const Body& body, std::size_t chunk = 256) {

@@ -10,17 +10,19 @@
 namespace osteon::base {
 
 /// Refuses values of a set of parameters. @throws std::invalid_argument naming the set, the parameter, the
-/// value found and what is accepted. Allocates nothing where it accepts.
+/// value found and what is accepted. Allocates nothing unless it throws.
 class ParameterCheck {
  public:
-  /// @param subject  the set, with what separates it from a parameter's name: "sensor bias "; a literal
+  /// @param subject  name of the set, and the separator before a parameter's name: "sensor bias "; must be a
+  ///   literal
   constexpr explicit ParameterCheck(std::string_view subject) : subject_(subject) {}
 
   /// Accepts low <= value <= high; NaN is outside.
   void operator()(std::string_view name, double value, double low, double high) const {
     if (!(value >= low && value <= high)) Refuse(name, value, NumberText(low) + " … " + NumberText(high));
   }
-  /// Accepts a finite value if `accepted` is true. @param range  text of what is accepted, for the error
+  /// Accepts a finite value if `accepted` is true. @param range  text for the error that describes the
+  /// accepted values
   void operator()(std::string_view name, double value, bool accepted, const char* range) const {
     if (!accepted || !std::isfinite(value)) Refuse(name, value, range);
   }

@@ -8,8 +8,8 @@
 
 namespace osteon::base {
 
-/// Shows on stderr which of several phases a command is in: on a terminal a bar with the time of the running
-/// phase, elsewhere a line per phase, or nothing. Keeps each phase's time.
+/// Shows on stderr which of several phases a command is in. A terminal shows a bar with the time of the
+/// running phase; a file or a pipe gets one line per phase, or nothing. Stores the duration of each phase.
 class PhaseProgress {
  public:
   struct Phase {
@@ -31,7 +31,7 @@ class PhaseProgress {
   [[nodiscard]] const std::vector<Phase>& phases() const { return done_; }
 
  private:
-  /// Keeps the time of the running phase. Call with mutex_ locked.
+  /// Stores the duration of the running phase. Call with mutex_ locked.
   void EndPhase();
   /// The drawing thread: draws the bar ten times a second.
   void Draw(std::stop_token stop);

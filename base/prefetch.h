@@ -6,8 +6,8 @@
 
 namespace osteon::rt {
 
-/// Asks the processor to load an object's cache lines, without waiting and without reading: nothing changes,
-/// even if another thread writes there meanwhile. Memory that the object points to is not loaded.
+/// Asks the processor to load an object's cache lines, and does not wait for them. The object is not read, so
+/// another thread may write to it at the same time. Memory that the object points to is not loaded.
 template <class T>
 void Prefetch(const T& object) OSTEON_RT {
   constexpr std::size_t kCacheLine = 64;

@@ -45,7 +45,8 @@ bool Pin(int cpu) noexcept {
   return pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0;
 }
 
-// Whether this process may lock memory without limit, so that locking cannot make an allocation fail.
+// Whether this process may lock memory without limit. With a limit, locked memory could make a later
+// allocation fail.
 bool LocksWithoutLimit() noexcept {
   rlimit limit{};
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;
@@ -58,20 +59,20 @@ bool LocksWithoutLimit() noexcept {
   return (capabilities >> kCapIpcLock & 1) != 0;
 }
 
-// Locks memory on fault, because the stacks of all threads and a graphics driver's reserves are address
-// space, not used memory.
+// Locks each page only when it is first used (MCL_ONFAULT). Otherwise the whole stacks of all threads and the
+// address space that a graphics driver reserves would occupy memory.
 bool LockMemory() noexcept {
   return LocksWithoutLimit() && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
 }
 
-// Writes to each page of the stack below the caller, so that no later call waits for one.
+// Writes to each page of the stack below the caller, so that no later call waits for a page.
 [[gnu::noinline]] void TouchStack(std::size_t bytes) noexcept {
   auto* const room = static_cast<volatile char*>(alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += kPage) room[i] = 0;
 }
 
-// The CPUs that the system lets this process use, whether or not they are in its present mask: a core
-// isolated from the scheduler (isolcpus) is not in it. Found by trying each, as there is no other way to ask.
+// The CPUs that the system lets this process use. The present mask does not list all of them: a core that is
+// isolated from the scheduler (isolcpus) is missing. There is no query for them, so each CPU is tried.
 std::vector<int> CpusOfThisProcess(const cpu_set_t& present) {
   std::vector<int> cpus;
   const long count = sysconf(_SC_NPROCESSORS_CONF);
@@ -120,7 +121,7 @@ bool KeepCpusAwake() noexcept {
     if (file < 0) return false;
     const std::int32_t max_latency_us = 0;
     if (write(file, &max_latency_us, sizeof max_latency_us) == sizeof max_latency_us)
-      return true;  // holds while the file is open
+      return true;  // the kernel honours the request as long as the file is open
     close(file);
     return false;
   }();
@@ -134,7 +135,7 @@ RealtimeGrant SetUpRealtimeThread(const RealtimeThreadParams& params) noexcept {
   grant.cpus_awake = params.keep_cpus_awake && KeepCpusAwake();
   if (params.prefault_stack_bytes > 0)
     TouchStack(params.prefault_stack_bytes < kMaxPrefault ? params.prefault_stack_bytes : kMaxPrefault);
-  // last: the calls before it may take long
+  // The priority is raised last, because the calls above may take long.
   const sched_param priority{.sched_priority = params.priority};
   grant.realtime = params.priority > 0 && pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
   return grant;
@@ -147,7 +148,7 @@ std::string ReserveCpu(int cpu) {
   pthread_getaffinity_np(pthread_self(), sizeof mask, &mask);
   if (!Pin(cpu)) return "found " + std::to_string(cpu) + ", accepted " + Ranges(CpusOfThisProcess(mask));
   CPU_CLR(static_cast<std::size_t>(cpu), &mask);
-  if (CPU_COUNT(&mask) == 0) mask = MaskOfCpu(cpu);  // the only CPU: all threads share it
+  if (CPU_COUNT(&mask) == 0) mask = MaskOfCpu(cpu);  // the machine has only this CPU: all threads share it
   pthread_setaffinity_np(pthread_self(), sizeof mask, &mask);
   return {};
 }

@@ -14,8 +14,8 @@
 namespace osteon::base {
 namespace {
 
-constexpr double kLinePeriod_s = 10.0;                  // between lines of a run without an end
-constexpr rt::Nanoseconds kStatusPeriod = 100'000'000;  // between status lines on a terminal
+constexpr double kLinePeriod_s = 10.0;                  // time between two lines of a run without an end
+constexpr rt::Nanoseconds kStatusPeriod = 100'000'000;  // time between two status lines on a terminal
 
 }  // namespace
 

@@ -7,16 +7,16 @@
 
 namespace osteon::base {
 
-/// Shows a run's progress on stderr: a bar on a terminal, elsewhere a line for each tenth of the run. For a
-/// run without an end, it shows the time; if stderr is no terminal, every 10 s.
+/// Shows a run's progress on stderr. A terminal shows a bar; a file or a pipe gets a line for each tenth of
+/// the run. A run without an end has no bar: its elapsed time is shown, in a file or a pipe every 10 s.
 class RunProgress {
  public:
   /// @param name  name of the command  @param seconds  duration of the run; 0: it has no end
   RunProgress(std::string name, double seconds);
   void Show(double at_s);
-  /// Shows the progress with a status line, which takes the place of the bar or of the time.
+  /// Shows a status line in place of the bar or of the elapsed time.
   void Show(double at_s, std::string_view status);
-  /// Columns for a status line on this terminal; 200 elsewhere.
+  /// Number of columns for a status line: those of the terminal; 200 if stderr is no terminal.
   [[nodiscard]] static std::size_t StatusColumns();
   /// Removes the bar.
   void Done() const;
@@ -25,7 +25,7 @@ class RunProgress {
   std::string name_;
   double seconds_;
   bool terminal_;
-  double next_;               ///< when the next line is due: share of the run, or seconds if it has no end
+  double next_;  ///< time of the next line: as a share of the run, or in seconds if the run has no end
   rt::Nanoseconds shown_{0};  ///< time of the last status line
 };
 

@@ -11,7 +11,7 @@ namespace osteon::rt {
 
 /// Queue of plain values from one writer thread to one reader thread: bounded, allocated once, without a
 /// lock. A full ring refuses the value and counts it, so that the tick never waits for a disk. Memory order:
-/// the writer releases head_ once the value is in place, the reader releases tail_ once it has read.
+/// the writer releases head_ after it has stored a value, the reader releases tail_ after it has copied one.
 template <class T>
 class SpscRing {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::string_view kRangeMark = " … ";  // between the ends of a range, "1 … 4"
 
-/// Breaks a text into lines of at most `width` columns; `first_word` finds the word at the text's beginning.
+/// Breaks a text into lines of at most `width` columns. `first_word` returns the length of the word at the
+/// beginning of a text.
 template <class FirstWord>
 std::string WrapWords(std::string_view text, std::size_t indent, std::size_t width, FirstWord first_word) {
   std::string wrapped;
@@ -62,7 +63,7 @@ std::optional<std::size_t> TerminalColumns(int descriptor) {
 }
 
 std::string WrapForTerminal(const std::string& text, std::size_t indent) {
-  constexpr std::size_t kMinText = 20;  // columns; a narrower strip is no help
+  constexpr std::size_t kMinText = 20;  // columns; a narrower text would be hard to read
   const auto columns = isatty(STDOUT_FILENO) != 0 ? TerminalColumns() : std::nullopt;
   return columns && *columns >= indent + kMinText ? WrapText(text, indent, *columns) : text;
 }
@@ -84,7 +85,7 @@ std::string Printable(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
     const bool ascii_control = (byte < 0x20 && byte != '\n') || byte == 0x7f;
-    // U+0080 … U+009F, which are 0xc2 and this byte
+    // control characters U+0080 … U+009F: in UTF-8 the byte 0xc2 and then this byte
     const bool next_control = byte >= 0x80 && byte < 0xa0 && i > 0 && text[i - 1] == '\xc2';
     if (next_control) printable.pop_back();
     if (ascii_control || next_control)

@@ -12,19 +12,20 @@ namespace osteon::base {
 /// Whether a byte continues a UTF-8 character: every byte but a character's first has the high bits 1 and 0.
 [[nodiscard]] constexpr bool IsTailByte(char c) { return (static_cast<unsigned char>(c) & 0xC0u) == 0x80u; }
 
-/// Columns that a text takes on a terminal, where each of its characters takes one.
+/// Number of columns that a text takes on a terminal, if each of its characters takes one column.
 [[nodiscard]] std::size_t ColumnsOf(std::string_view text);
 
-/// Breaks a text into lines of at most `width` columns, between words, and not inside a range "1 … 4". Each
-/// line but the first begins with `indent` spaces, which count; the first begins at column `indent`. A word
-/// that is longer stands alone.
+/// Breaks a text into lines of at most `width` columns, between words, and not inside a range "1 … 4". The
+/// first line begins at column `indent`. Each further line begins with `indent` spaces, which are part of
+/// `width`. A word that does not fit into a line has a line of its own.
 [[nodiscard]] std::string WrapText(std::string_view text, std::size_t indent, std::size_t width);
 
 /// Columns of the terminal behind a file descriptor (1: standard output). $COLUMNS takes precedence if it is
-/// set. None: the descriptor is no terminal.
+/// set. Empty if the descriptor is no terminal and $COLUMNS is not set.
 [[nodiscard]] std::optional<std::size_t> TerminalColumns(int descriptor = 1);
 
-/// WrapText for the terminal that standard output leads to; in a file or a pipe the text stays one line.
+/// Wraps a text by WrapText for the terminal behind standard output. If standard output is a file or a pipe,
+/// the text stays one line.
 [[nodiscard]] std::string WrapForTerminal(const std::string& text, std::size_t indent);
 
 /// Wraps a paragraph of Markdown into lines of at most 120 characters, broken at spaces outside `code`.

@@ -7,7 +7,7 @@ std::size_t Utf8Length(std::string_view text) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
   };
   const auto tail = [&byte](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
-  // The first byte gives the length; it also limits the second byte (RFC 3629, section 4).
+  // The first byte determines the length. It also limits the values of the second byte (RFC 3629, section 4).
   const unsigned first = byte(0);
   if (first < 0x80u) return 1;
   if (first >= 0xC2u && first <= 0xDFu && tail(1)) return 2;

@@ -8,7 +8,8 @@
 #include "control/tick_record.h"
 #include "kinematics/spatial.h"
 
-// The servo loop's interfaces to arm, devices and recorder. io implements them; virtual time has its own.
+// The servo loop's interfaces to arm, devices and recorder. The folder io/ implements them for real time; a
+// run in virtual time has implementations of its own.
 
 namespace osteon::control {
 
@@ -32,13 +33,13 @@ enum class ControlMode : std::uint8_t {
   kNone = 3,  ///< e.g. brakes applied
 };
 
-/// Command mode that the arm's program asks of the client, numbered as in FRI.
+/// Command mode that the arm's program requires of the client, numbered as in FRI.
 enum class CommandMode : std::uint8_t {
   kNone = 0,
   kPosition = 1,
-  kWrench = 2,         ///< a wrench along with the position; the arm in Cartesian impedance
-  kTorque = 3,         ///< joint torques along with the position; the arm in joint impedance
-  kCartesianPose = 4,  ///< not supported: the link holds the arm where it is
+  kWrench = 2,         ///< a position and a wrench; the arm's controller in Cartesian impedance
+  kTorque = 3,         ///< a position and joint torques; the arm's controller in joint impedance
+  kCartesianPose = 4,  ///< not supported: the link then holds the arm at its present position
 };
 
 /// One message from the arm.
@@ -52,43 +53,45 @@ struct ArmState {
   bool drives_active{false};       ///< the drives of all joints are active
   ControlMode control_mode{ControlMode::kPosition};
   CommandMode command_mode{CommandMode::kNone};
-  double period_s{0.001};  ///< time from message to message, as the arm is set up
+  double period_s{0.001};  ///< time between two messages, as set up at the arm
   JointArray q_meas{};     ///< [rad]
-  JointArray q_ipo{};      ///< [rad] the arm's own interpolator; valid in COMMANDING_*
+  JointArray q_ipo{};      ///< [rad] set point of the arm's own interpolator; valid in COMMANDING_WAIT and
+                           ///< COMMANDING_ACTIVE
   bool has_ipo{false};
-  JointArray tau_ext{};  ///< [N·m] external torque, the arm's estimate
+  JointArray tau_ext{};  ///< [N·m] external torques, as the arm estimates them
 
-  /// Number of times that COMMANDING_ACTIVE began: a command must name it to be followed.
+  /// Number of times that COMMANDING_ACTIVE has begun. The arm follows a command only if the command contains
+  /// this number.
   std::uint32_t activation{0};
-  /// COMMANDING_ACTIVE, but no command has named this activation yet: the link holds the interpolator's
-  /// position.
+  /// The arm is in COMMANDING_ACTIVE, but no command has contained the present activation yet. The link
+  /// meanwhile commands the interpolator's position.
   bool holding{false};
 
-  // Messages so far.
-  std::uint32_t lost{0};           ///< never came
-  std::uint32_t duplicate{0};      ///< came twice
-  std::uint32_t late{0};           ///< came in order, but were not read before the next one arrived
+  // Counts of the arm's messages so far.
+  std::uint32_t lost{0};           ///< never arrived
+  std::uint32_t duplicate{0};      ///< arrived twice
+  std::uint32_t late{0};           ///< arrived in order, but were not read before the next one arrived
   std::uint32_t reordered{0};      ///< overtaken by a newer one in transit
   std::uint32_t rejected{0};       ///< hostile, damaged, of another sender or of another version
   std::uint32_t other_version{0};  ///< part of `rejected`: another version of the protocol
-  // Answers so far, as the arm's messages reflect them.
-  std::uint32_t answers_lost{0};     ///< never seen by the arm, which took a later answer
-  std::uint32_t answers_foreign{0};  ///< reflected by the arm, but sent by another client
+  // Counts of the answers so far. The arm's messages repeat the number of the answer that the arm has used.
+  std::uint32_t answers_lost{0};     ///< never used by the arm, which used a later answer
+  std::uint32_t answers_foreign{0};  ///< used by the arm, but sent by another client
 };
 
-/// The loop's answer: where the joints should be. In states in which the arm moves by itself, the link
-/// mirrors its position instead.
+/// The loop's answer: the commanded joint positions. In states in which the arm moves by itself, the link
+/// sends the arm's own position instead.
 struct ArmCommand {
   JointArray q{};  ///< [rad]
-  /// ArmState::activation as the loop knows it: the loop has seen that the arm is handed over, and begins at
-  /// the interpolator's position. The link withholds commands for another activation, so that a loop that
-  /// missed the arm's leaving and return does not make it jump.
+  /// The value of ArmState::activation for which this command is made. The link withholds a command for
+  /// another activation. Otherwise, if the arm has left COMMANDING_ACTIVE and returned unnoticed by the loop,
+  /// the arm would jump to the loop's old position.
   std::uint32_t activation{0};
-  PlainWrench F{};   ///< kWrench: on the arm's motion centre, in its frame
-  JointArray tau{};  ///< [N·m] kTorque
+  PlainWrench F{};   ///< for kWrench: wrench on the arm's motion centre, in the frame of that centre
+  JointArray tau{};  ///< [N·m] for kTorque
 };
 
-/// Result of waiting for a message; kClosed: the link has ended for good.
+/// Result of waiting for a message. kClosed: the link has ended, and no message will come any more.
 enum class ReceiveResult : std::uint8_t { kOk, kTimeout, kClosed };
 
 /// Exchanges messages with the arm.
@@ -106,26 +109,27 @@ class ArmLink {
     rt::SleepUntil(time);
     return false;
   }
-  /// Warms the caches for the next message: the message last received, and an answer to it, pass once more
-  /// through the protocol and the system, on separate sockets. Nothing goes to the arm.
+  /// Warms the caches for the next message. The last message and an answer to it are processed again by the
+  /// protocol and by the operating system, on separate sockets. Nothing is sent to the arm.
   virtual void WarmUp(const ArmCommand& /*command*/) OSTEON_RT {}
 };
 
 /// One reading of the force sensor.
 struct ForceReading {
   rt::Nanoseconds stamp{0};  ///< 0: none yet
-  PlainWrench F_S;           ///< on the sensor's tool side, at S's origin, in S; the tool's weight is in it
-  bool trusted{true};        ///< false: beyond the sensor's range, or it reports a fault of its own
+  PlainWrench F_S;     ///< wrench on the sensor's tool side, at S's origin, in S; includes the tool's weight
+  bool trusted{true};  ///< false: the reading is beyond the sensor's range, or the sensor reports a fault
 };
 
 /// One reading of the reamer's drive.
 struct SpindleReading {
   rt::Nanoseconds stamp{0};     ///< 0: none yet
-  double speed_rad_per_s{0.0};  ///< of the tool
-  double torque_Nm{0.0};  ///< at the tool; includes friction and the torque that accelerates the spindle
-  bool ready{false};      ///< configured, and its status arrives
-  bool fault{false};      ///< the drive or its connection has a fault; latched by the drive's client
-  // Causes of the fault: io::DescribeDriveFaults has the texts.
+  double speed_rad_per_s{0.0};  ///< speed of the tool
+  /// torque at the tool; includes friction and the torque that accelerates the spindle
+  double torque_Nm{0.0};
+  bool ready{false};  ///< the drive is configured, and its status messages arrive
+  bool fault{false};  ///< the drive or its connection has a fault; latched by the drive's client
+  // Causes of the fault. io::DescribeDriveFaults returns their texts.
   std::uint8_t faults{0};           ///< io::DriveFault bits
   std::uint8_t nmt_state{0};        ///< NMT state in the drive's last heartbeat (CiA 301)
   std::uint16_t emergency_code{0};  ///< code of the drive's EMCY message (CiA 301); 0: none
@@ -134,11 +138,12 @@ struct SpindleReading {
 
 /// One reading of the cell's PLC.
 struct InterlockReading {
-  rt::Nanoseconds stamp{0};       ///< 0: none yet
-  bool permitted{false};          ///< the PLC permits motion; false while it is silent or stands still
+  rt::Nanoseconds stamp{0};  ///< 0: none yet
+  /// the PLC permits motion; false while the PLC is silent or its heartbeat stands still
+  bool permitted{false};
   bool enabled{false};            ///< the enabling switch is in its middle position
   bool spindle_permitted{false};  ///< the foot pedal is pressed, and motion is permitted
-  std::uint8_t reason{0};         ///< why not permitted: io::PlcVerdict; 0: permitted
+  std::uint8_t reason{0};         ///< reason if motion is not permitted (io::PlcVerdict); 0: permitted
 };
 
 /// Readings of the cell's devices beside the arm.
@@ -148,12 +153,12 @@ struct CellReadings {
   InterlockReading interlock{};
 };
 
-/// Commands to these devices.
+/// Commands to the devices beside the arm.
 struct CellCommands {
   bool motion_requested{false};  ///< asks the PLC to permit motion
   double spindle_rad_per_s{0.0};
   bool quick_stop{false};  ///< stops the spindle along its steepest ramp
-  /// Latched faults of the drive may be reset: before the first motion, and in a recovery.
+  /// True before the first motion and in a recovery: latched faults of the drive may be reset.
   bool clear_faults{false};
 };
 
@@ -161,7 +166,7 @@ struct CellCommands {
 class CellDevices {
  public:
   virtual ~CellDevices() = default;
-  /// Passes the commands on and takes the newest readings; never waits.
+  /// Sends the commands and returns the newest readings; never waits.
   [[nodiscard]] virtual CellReadings Exchange(const CellCommands& commands,
                                               rt::Nanoseconds now) OSTEON_RT = 0;
 };
@@ -170,9 +175,10 @@ class CellDevices {
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
-  /// Takes a record. False if the recorder is behind; the tick goes on.
+  /// Stores a record. Returns false if the recorder is full; the tick continues nevertheless.
   virtual bool Push(const TickRecord& record) OSTEON_RT = 0;
-  /// Whether so many records wait in the recorder that some will soon be lost. Called from the tick's thread.
+  /// Whether so many records are waiting in the recorder that some will soon be lost. Called from the tick's
+  /// thread.
   [[nodiscard]] virtual bool Stalled() const OSTEON_RT { return false; }
 };
 

@@ -8,7 +8,7 @@
 namespace osteon::app {
 
 /// The subcommands of `osteon`: those that run a cell, and those that read or write its files. The help also
-/// lists the subcommands of osteon-studies, the second executable; `osteon` hands them over to it.
+/// lists the subcommands of the second executable, osteon-studies, which `osteon` starts for them.
 class OsteonCommands {
  public:
   /// @param app  made with kName and kDescription; must outlive this object

@@ -22,7 +22,7 @@ int ParseAndRun(int argc, char** argv) {
 }  // namespace
 
 int RunOsteon(int argc, char** argv) {
-  // the launcher asks what has to be built
+  // The launcher asks which executable this command needs, so that it can build that one.
   if (argc > 1 && std::string_view(argv[1]) == "--executable-of") {
     fmt::print("{}\n", AsksForStudy(argc - 1, argv + 1) ? "osteon-studies" : "osteon");
     return 0;

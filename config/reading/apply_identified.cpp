@@ -16,12 +16,12 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kMaxDampingRatio = 10.0;  // of the simulated arm
-// A dead time is rounded up to whole periods, unless it exceeds them by less than this share of a period.
+constexpr double kMaxDampingRatio = 10.0;  // largest one that the simulated arm accepts
+// A dead time is rounded up to whole periods. An excess of less than this share of a period is ignored.
 constexpr double kSameCycle = 0.05;
 
-// Converts a measurement to parameters of the simulated arm. Refuses a dead time or damping ratio that this
-// arm cannot have. @param file  the measurement's, for the error
+// Converts a measurement to parameters of the simulated arm. Refuses a dead time or damping ratio that the
+// simulated arm does not accept. @param file  the file of the measurement, for the error
 hil::ServoArmParams ArmFrom(const IdentifiedArm& arm, double period_s, const std::string& file) {
   const auto require = [&](const char* key, double found, double max, const char* unit) {
     if (!(found >= 0.0 && found <= max))
@@ -45,8 +45,8 @@ const IdentifiedArm* SlowestArm(const IdentifiedCell& identified) {
 
 namespace {
 
-// Applies what the force sensor showed: the dead zone, which its drift stays within, and the tremor and
-// notches that the vibration index tolerates.
+// Applies the figures measured with the force sensor: the dead zone, which covers the sensor's drift, and the
+// tremor and the notches that the vibration index tolerates.
 void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
   if (identified.dead_zone_N) {
     double& dead_zone_N = cell.servo.admittance.dead_zone_N;
@@ -60,7 +60,7 @@ void ApplyForces(const IdentifiedCell& identified, CellConfig& cell) {
     vibration.notch_hz = std::ranges::max(identified.vibration->notch_hz);
 }
 
-// Returns the first measured value among the axes.
+// Returns this value of the first axis for which it was measured.
 std::optional<double> FirstKnown(const std::vector<IdentifiedArm>& arms,
                                  std::optional<double> IdentifiedImpedance::*value) {
   for (const IdentifiedArm& axis : arms)
@@ -86,8 +86,8 @@ void ApplySprings(std::vector<IdentifiedArm> arms, bool torque, hil::DynamicArmP
   ratio = FirstKnown(arms, &IdentifiedImpedance::damping_ratio).value_or(ratio);
 }
 
-// Applies to the dynamic arm the measured impedance, which an overlaid force meets, and the longest dead time
-// of all axes, rounded up: this arm has whole periods of dead time.
+// Gives the dynamic arm the measured springs and damping of the arm's own impedance control, against which an
+// overlaid force works. Its dead time becomes the longest of all axes, rounded up to whole periods.
 void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& file, CellConfig& cell) {
   const IdentifiedArm& longest_dead = *std::ranges::max_element(arms, {}, &IdentifiedArm::dead_time_s);
   hil::DynamicArmParams& arm = cell.simulated.dynamic;
@@ -101,13 +101,13 @@ void ApplyImpedance(const std::vector<IdentifiedArm>& arms, const std::string& f
   arm.dead_cycles = static_cast<int>(cycles);
   if (std::ranges::any_of(arms, [](const IdentifiedArm& axis) { return axis.impedance.has_value(); }))
     return ApplySprings(arms, torque, arm);
-  // an older file without springs: derive the spring from this axis
+  // An older file has no springs: derive the spring from the axis with the longest dead time.
   if (!longest_dead.felt_mass_kg || torque) return;
   const auto mobility = ToolMobility(cell);
   if (!mobility) return;
   const double w = 2.0 * std::numbers::pi * longest_dead.bandwidth_hz;  // [rad/s]
   arm.stiffness_N_per_m = *longest_dead.felt_mass_kg * w * w;
-  // the arm's damping is a ratio of the mass that it has on average over all directions
+  // The dynamic arm's damping ratio refers to its mean mass over all directions: convert the axis' ratio.
   const double mean_kg = 3.0 / mobility->trace();
   arm.cartesian_damping_ratio = longest_dead.damping_ratio * std::sqrt(*longest_dead.felt_mass_kg / mean_kg);
 }
@@ -120,7 +120,8 @@ void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
   const IdentifiedArm* slowest = SlowestArm(*cell.identified);
   if (slowest != nullptr && cell.servo.law == control::Law::kImpedance && slowest->felt_mass_kg)
     return ApplyImpedance(cell.identified->arm, file.string(), cell);
-  // without a model that fits, the response alone judges the gains, and the simulated arm stays as it is
+  // The file has no model of the arm. The measured response is then used to judge the gains, and the
+  // simulated arm stays unchanged.
   if (slowest == nullptr &&
       (cell.identified->vibration || cell.identified->dead_zone_N || !cell.identified->response.empty()))
     return;
@@ -136,7 +137,7 @@ void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell) {
 
 namespace {
 
-// Describes the springs and the dead time of the arm that an overlaid force meets (ApplyImpedance).
+// Describes the springs of the arm's own impedance control and its dead time (ApplyImpedance).
 std::string ImpedanceText(const CellConfig& cell) {
   const hil::DynamicArmParams& arm = cell.simulated.dynamic;
   const bool torque = cell.simulated.fri.command_mode == control::CommandMode::kTorque;

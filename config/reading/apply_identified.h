@@ -18,11 +18,11 @@ namespace osteon::config {
 /// The simulated arm gets the bandwidth, damping ratio and dead time of SlowestArm; the dynamic arm rounds
 /// the dead time to whole periods. With the impedance law and a measured mass, only the dynamic arm changes:
 /// it gets the longest measured dead time, rounded up to whole periods, and the measured springs and damping
-/// (an older file has no springs: they follow from the mass if wrenches are overlaid). Without a model of the
-/// arm, but with a response or forces, the simulated arm stays as it is. The dead zone becomes at least the
-/// measured one; `vibration` gets the measured tremor_N and notch_hz.
-/// @throws ConfigError naming the file if it belongs to another cell, has no measurement, or is beyond what
-///   the simulated arm can be: 0 … 32 periods of dead time, a damping ratio of at most 10.
+/// (an older file has no springs: they follow from the mass if wrenches are overlaid). If the file has a
+/// response or forces but no model of the arm, the simulated arm stays unchanged. The dead zone becomes at
+/// least the measured one; `vibration` gets the measured tremor_N and notch_hz.
+/// @throws ConfigError naming the file if it belongs to another cell, has no measurement, or has a value that
+///   the simulated arm does not accept: a dead time outside 0 … 32 periods, or a damping ratio above 10.
 void ApplyIdentified(const std::filesystem::path& file, CellConfig& cell);
 
 /// Describes cell.identified, one line for each figure: the simulated arm, the sensor's delay, the dead zone,

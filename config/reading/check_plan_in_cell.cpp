@@ -25,7 +25,8 @@ void CheckPlanInCell(const SurgicalPlanConfig& config, const CellConfig& cell,
     return fmt::format("{:.4g}, {:.4g}, {:.4g} mm, radius {:.4g} mm", 1e3 * at.center_m.x,
                        1e3 * at.center_m.y, 1e3 * at.center_m.z, 1e3 * at.radius_m);
   };
-  const bool is_replaced = config.mesh_cup && !cell.bone;  // by the mesh of the command line
+  // the mesh of the command line replaces the cell's bone
+  const bool is_replaced = config.mesh_cup && !cell.bone;
   if (cell_site && !is_replaced &&
       ((Vector3(cell_site->center_m) - Vector3(plan_site.center_m)).norm() > kSame_m ||
        std::abs(cell_site->radius_m - plan_site.radius_m) > kSame_m))

@@ -10,7 +10,8 @@ namespace osteon::config {
 /// Refuses a plan that cannot be carried out in a cell:
 ///
 /// - The plan's cup differs from the cup of the cell's bone, in centre or radius. This is not checked if the
-///   plan is for a mesh of the command line and the cell names no bone: that mesh replaces the cell's.
+///   plan is for a mesh of the command line and the cell names no bone: that mesh then replaces the bone of
+///   the cell's scene.
 /// - The cell's depth limit begins to resist before a reamer reaches its planned depth.
 ///
 /// @param plan_file, cell_file  named in the error

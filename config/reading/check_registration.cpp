@@ -15,12 +15,12 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kFoot_mm = 150.0;         // half of an arm's foot, and half of a small bone beside it
-constexpr double kLongestTool_mm = 600.0;  // from the flange to the apex
-constexpr double kInMetres_mm = 5.0;       // a cell is smaller than 5 m and larger than 5 mm
+constexpr double kFoot_mm = 150.0;         // half of an arm's foot plus half of a small bone
+constexpr double kLongestTool_mm = 600.0;  // largest distance from the flange to the apex
+constexpr double kInMetres_mm = 5.0;       // a position nearer to the origin is probably written in metres
 constexpr double kSteepest_deg = 60.0;     // largest angle between the tool's axis and the site's axis
-constexpr double kUpright_deg = 0.1;       // a smaller tilt is due to levelling
-constexpr double kRotation = 1e-6;         // largest norm of R R^T - 1 for a rotation matrix R
+constexpr double kUpright_deg = 0.1;  // a smaller tilt of the base is not noted: it is an error of levelling
+constexpr double kRotation = 1e-6;    // largest norm of R R^T - 1 for a rotation matrix R
 constexpr const char* kLooksLikeMetres = "looks like metres where millimetres are expected";
 
 double AngleBetween_deg(const Vector3& a, const Vector3& b) {
@@ -38,7 +38,7 @@ double WorkRadius(const CellConfig& cell) {
   return (mesh_cup ? mesh_cup->radius_m : scene.site.radius_m) + depth_m;
 }
 
-// Origin of the arm's reach, and the largest distance of its flange from there.
+// The shoulder, and the largest distance of the flange from the shoulder.
 struct Reach {
   Vector3 p_BS{Vector3::Zero()};  // the shoulder, on A1
   double reach_m{0.0};
@@ -117,7 +117,7 @@ std::vector<RegistrationRow> FrameRows(const CellConfig& cell) {
        .hint = cell.tool.tool.name + ": its mounting's position_mm and its length",
        .note = {}},
       {.name = "from the tool's rotation to the nearest rotation",
-       // 2: a mirror image, which is no rotation
+       // A mirror image is no rotation: it gets the value 2, which is above the limit.
        .value = R_FT.determinant() > 0.0 ? (R_FT * R_FT.transpose() - Matrix3::Identity()).norm() : 2.0,
        .unit = "",
        .high = kRotation,
@@ -236,18 +236,20 @@ std::vector<RegistrationRow> StartRows(const CellConfig& cell) {
 // Refuses a key of a section of the cell's file.
 [[noreturn]] void RefuseIn(const Reader& reader, const char* section, const char* key,
                            const std::string& what) {
-  Reader at = reader;  // a view: the mapping is read again only for its line numbers
+  Reader at = reader;  // used only to find the line of the key
   at.Section(section).Refuse(key, what);
 }
 
-// Whether a position looks like metres where millimetres are expected: close to the origin, but not at it.
+// Whether a position was probably written in metres instead of millimetres: it is close to the origin, but
+// not at it.
 bool LooksLikeMetres(const Pose& X) {
   const double from_origin_mm = X.translation().norm() / kMillimetre_m;
   return from_origin_mm > 0.0 && from_origin_mm < kInMetres_mm;
 }
 
-// Refuses a base written in metres, if all rows hold with millimetres. (A bone written in metres would lie in
-// the arm's foot, which the row from base to site refuses.)
+// Refuses a position of the base that is probably written in metres: all rows hold if it is read as metres.
+// The same mistake in the bone's position is found by the row "base to site", because the bone would lie in
+// the arm's foot.
 void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
   if (!LooksLikeMetres(cell.X_WB)) return;
   CellConfig in_millimetres = cell;
@@ -260,11 +262,11 @@ void RefuseBaseInMetres(const CellConfig& cell, const Reader& reader) {
                        kLooksLikeMetres));
 }
 
-// Refuses the first row that does not hold, at the key to blame.
+// Refuses the first row that does not hold, at the key that is probably wrong.
 void RefuseFailedRow(const std::vector<RegistrationRow>& rows, const Reader& reader) {
   for (const RegistrationRow& row : rows) {
     if (row.holds()) continue;
-    Reader at = reader;  // a view: the mapping is read again only for its line numbers
+    Reader at = reader;  // used only to find the line of the key
     if (!row.section.empty()) at = at.Section(row.section);
     at.Refuse(row.key,
               fmt::format("found {:.6g}{}{} {}, accepted {}{}{}", row.value, row.unit.empty() ? "" : " ",
@@ -312,7 +314,7 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
     const auto pose = place.first;
     const char* section = place.second;
     const Vector3 p = (cell.*pose).translation() / kMillimetre_m;
-    // is a pose written in metres to blame?
+    // Is the start possible if this pose is read as metres?
     if (LooksLikeMetres(cell.*pose) &&
         possible_with([&](CellConfig& other) { (other.*pose).translation() *= 1e3; }))
       RefuseIn(reader, section, "position_mm",
@@ -320,7 +322,7 @@ void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string
                            p.z(), kLooksLikeMetres, what));
     const double tilt_deg = AngleBetween_deg((cell.*pose).linear().col(2), Vector3::UnitZ());
     if (tilt_deg <= 90.0) continue;
-    // is a pose that is upside down to blame?
+    // Is the start possible if this pose is turned over?
     for (const Vector3& axis : {Vector3(Vector3::UnitX()), Vector3(Vector3::UnitY())})
       if (possible_with([&](CellConfig& other) {
             (other.*pose).linear() = (other.*pose).linear() * Eigen::AngleAxisd(std::numbers::pi, axis);

@@ -9,7 +9,7 @@
 #include "config/reading/strict/reader.h"
 
 // Checks whether a cell's geometry (base X_WB, bone X_WG, tool X_FT, workspace, start) is consistent. A pose
-// that was measured wrongly, or written in another unit, is a valid pose: its error shows only in a
+// that was measured wrongly, or written in another unit, is valid by itself. Its error shows only in a
 // comparison with the other poses.
 
 namespace osteon::config {
@@ -17,13 +17,14 @@ namespace osteon::config {
 /// One quantity of a registration, and its accepted range: a row of the table that is shown before a run.
 struct RegistrationRow {
   std::string name;   ///< "from the arm's base to the site"
-  double value{0.0};  ///< in `unit`
+  double value{0.0};  ///< value of the quantity, in `unit`
   std::string unit;   ///< "mm", "deg"
   double low{-std::numeric_limits<double>::infinity()};
   double high{std::numeric_limits<double>::infinity()};
-  std::string section, key;  ///< place in the cell's file to blame if the row does not hold
-  std::string hint;          ///< likely cause of a failure; may be empty
-  std::string note;          ///< remark if the row holds; may be empty
+  /// section and key of the cell's file that are probably wrong if the row does not hold
+  std::string section, key;
+  std::string hint;  ///< likely cause of a failure; may be empty
+  std::string note;  ///< remark if the row holds; may be empty
 
   /// Whether the value is in the accepted range, up to rounding.
   [[nodiscard]] bool holds() const noexcept { return value >= low - 1e-9 && value <= high + 1e-9; }
@@ -54,27 +55,34 @@ struct RegistrationReport {
 /// | start: the apex before the depth limit's bound | before, if the cell has a depth limit |
 /// | start: flange and elbow in their zones | inside, if the cell has zones for them |
 ///
-/// The start's values come from its joints by forward kinematics, through W B F T, independently of the way
-/// in which the joints were found. A depth is that of the scene's zone: the deepest point of a path, the
-/// bottom of a cup.
+/// The start's values are computed from its joints by forward kinematics (W to B to F to T), independently of
+/// the inverse kinematics that found the joints. The depth of the work is that of the scene's zone: the
+/// deepest point of a path, or the bottom of a cup.
 [[nodiscard]] RegistrationReport DescribeRegistration(const CellConfig& cell);
 
-/// Checks the rows of base, bone, tool and workspace before the arm is placed at the start, since a mistake
-/// in one of these makes the placement impossible without saying which.
+/// Checks the rows of base, bone, tool and workspace before the arm is placed at the start, because a mistake
+/// in one of them makes the placement impossible, and the resulting error could not tell which one is wrong.
 /// @param reader  of the cell's file
 /// @throws ConfigError at the first row that does not hold: file:line, key, found and accepted.
 void CheckFrames(const CellConfig& cell, const Reader& reader);
-/// Refuses the key that is to blame for an impossible start (the arm cannot reach it, or the apex would be
-/// outside the workspace). Blamed are, in this order: the pose of base or bone, if its correction alone (from
-/// metres to millimetres, or turned over) makes the start possible; start.height_mm, if height 0 does; the
-/// bone's position, if the flange would be beyond the stretched arm's reach; otherwise start.height_mm.
-/// @param is_possible  returns whether the arm can be placed at the start of a cell, and may change this cell
-/// @param what  the error at the start
+/// Refuses a start that is impossible: the arm cannot reach it, or the apex would be outside the workspace.
+/// The error names the key that is probably wrong. The candidates are, in this order:
+///
+/// - the pose of base or bone, if correcting it (from metres to millimetres, or by turning it over) makes the
+///   start possible
+/// - start.height_mm, if height 0 makes the start possible
+/// - the bone's position, if the flange would be beyond the stretched arm's reach
+/// - start.height_mm
+///
+/// @param is_possible  returns whether the arm can be placed at the start of the given cell; may change that
+///   cell
+/// @param what  text of the error that makes the start impossible
 /// @throws ConfigError always.
 [[noreturn]] void RefuseStart(const CellConfig& cell, const Reader& reader, const std::string& what,
                               const std::function<bool(CellConfig&)>& is_possible);
 
-/// Checks the rows of the start, once cell.start.q is known. @throws as CheckFrames.
+/// Checks the rows of the start, once cell.start.q is known. @throws ConfigError at the first row that does
+/// not hold, as CheckFrames.
 void CheckStart(const CellConfig& cell, const Reader& reader);
 
 }  // namespace osteon::config

@@ -13,9 +13,11 @@
 namespace osteon::config {
 namespace {
 
-thread_local ConfigFileTracker* present_tracker = nullptr;  // this thread's; null: none
+// the tracker of this thread; null: this thread has none
+thread_local ConfigFileTracker* present_tracker = nullptr;
 
-// Whether a path lies in a folder, at any depth, or is the folder itself. Both absolute and normal.
+// Whether a path lies in a folder, at any depth, or is the folder itself. Both paths must be absolute and
+// normal.
 bool IsBelow(const std::filesystem::path& path, const std::filesystem::path& folder) {
   const std::filesystem::path relative = path.lexically_relative(folder);
   return !relative.empty() && *relative.begin() != "..";

@@ -18,20 +18,21 @@ namespace osteon::config {
 /// Sets the folder that ShippedFolder returns. Call before other threads exist.
 void SetShippedFolder(const std::filesystem::path& folder);
 
-/// While an object exists, records the files that this thread reads a configuration from. It may also
-/// restrict them to one folder, so that the files in a recording can be read again without any other. A
-/// thread may have one object at a time.
+/// While an object exists, it records the files from which this thread reads a configuration. It can also
+/// restrict reading to the files below one folder. The files that a recording contains are read in this way,
+/// so that no other file can replace one of them. A thread may have one object at a time.
 class ConfigFileTracker {
  public:
   struct Params {
     /// Files are found only below this folder. Empty: anywhere.
     std::filesystem::path root{};
-    /// A file that is named by a whole path below this folder is looked up at the same place below `root`.
+    /// A file that is named by an absolute path below this folder is looked up at the same relative path
+    /// below `root`.
     std::filesystem::path once_at{};
   };
   struct File {
     std::filesystem::path path;  ///< absolute
-    bool by_whole_path{false};   ///< another file names it by its whole path
+    bool by_whole_path{false};   ///< another file names it by its absolute path
   };
 
   ConfigFileTracker();
@@ -48,10 +49,12 @@ class ConfigFileTracker {
   /// For Reader: returns the path of a file that a file in `folder` names. Empty if it is not below the root.
   [[nodiscard]] static std::filesystem::path ResolveNamed(const std::filesystem::path& folder,
                                                           const std::filesystem::path& named);
-  /// For Reader: finds a file that another one names by a word alone ("reamer"). The first place is the
-  /// sibling folder of the file's kind ("tools"), or for a cell the folder of the other file. The second
-  /// place is the shipped folder of this kind; with a root, any folder of this name below the root.
-  /// @param by  the file that contains the name; a cell that extends one of its own name does not find itself
+  /// For Reader: finds a file that the file `by` names by a word alone ("reamer"). Searches first the folder
+  /// of this kind ("tools") beside the folder of `by`; for a cell, the folder of `by` itself. Then searches
+  /// the shipped folder of this kind; with a root, any folder of this name below the root.
+  /// @param by  the file that contains the name. It is never the result: a cell can extend another cell of
+  /// its
+  ///   own name.
   /// @returns the file, or an empty path if there is none.
   [[nodiscard]] static std::filesystem::path FindByName(const std::filesystem::path& by,
                                                         const std::string& kind, const std::string& name);

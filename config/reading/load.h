@@ -9,13 +9,13 @@
 #include "config/reading/load_tool.h"
 #include "config/reading/strict/reader.h"
 
-// Loads a cell with all that it names; the other kinds of files under config/ have load_*.h of their own.
-// Each loader checks every value against its accepted range, and values against each other; paths in a file
-// are relative to its own folder. All throw ConfigError.
+// Loads a cell with all files that it names. The other kinds of files under config/ have their own headers
+// load_*.h. Each loader checks every value against its accepted range, and values against each other. Paths
+// in a file are relative to the folder of that file. All loaders throw ConfigError.
 
 namespace osteon::config {
 
-/// A tool that replaces the cell's.
+/// A tool that replaces the one that the cell's file names.
 struct ToolChoice {
   std::filesystem::path file;
   std::optional<double> diameter_m{};
@@ -30,7 +30,7 @@ struct ToolChoice {
                                   const std::filesystem::path& gains = {},
                                   const std::filesystem::path& identified = {});
 
-/// The refusal of a cell without `operator`, `script` and `simulated_arm`, where one is to be simulated.
+/// Error text for a cell that is to be simulated but has no `operator`, `script` and `simulated_arm`.
 inline constexpr const char* kWithoutSimulation =
     "found a cell without operator, script and simulated_arm, accepted one with them: it is to be simulated. "
     "A real cell is tried on the one that it extends";

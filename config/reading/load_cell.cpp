@@ -35,7 +35,7 @@ namespace {
 // The Read functions fill their part of the cell from a section of its file. The numbers behind a key are its
 // accepted range, in the unit at the key's end.
 
-// @param lbr  whether the arm has seven joints: only then is its redundant elbow given as well
+// @param lbr  whether the arm has seven joints: only then the section has an arm angle
 void ReadStart(Reader section, bool lbr, StartConfig& start) {
   start.height_m = section.Number("height_mm", 0, 500);
   start.tool_yaw_rad = section.Number("tool_yaw_deg", -360, 360);
@@ -91,7 +91,7 @@ void ReadImpedance(Reader section, CellConfig& cell) {
   impedance.brake_Nms_per_rad = section.Number("brake_Nms_per_rad", 0, 100);
   impedance.twist_filter_s = section.Number("twist_filter_ms", 0, 100);
   impedance.follow_s = section.Number("follow_ms", 1, 10000);
-  // the modes that the arm's program sets, in the simulated arm as well
+  // The arm's program sets these modes. The simulated arm must have the same.
   hil::FriServerParams& arm = cell.simulated.fri;
   const bool wrench = section.Choice("overlay", {"wrench", "torque"}) == 0;
   arm.command_mode = wrench ? control::CommandMode::kWrench : control::CommandMode::kTorque;
@@ -110,7 +110,7 @@ void ReadVibration(Reader section, control::VibrationParams& vibration) {
   vibration.max_damping_factor = section.Number("damping_ratio", 1, 1000);
   vibration.max_mass_factor = section.Number("mass_ratio", 1, 100);
   vibration.notch_hz = section.Number("notch_hz", 0, 20);
-  // the cells of older recordings do not have this key
+  // optional, because the cells in older recordings do not have this key
   if (section.Has("tremor_N")) vibration.reference.tremor_N = section.Number("tremor_N", 0, 50);
 }
 
@@ -158,9 +158,10 @@ void ReadCutting(Reader section, simulation::CuttingParams& cutting) {
   cutting.split.pool_blocks = static_cast<std::size_t>(split.WholeNumber("pool_count", 1, 1'000'000));
 }
 
-// Limits model_sight. Bone beyond the planes of a frame (normal_enlargement) is met as deep as the tool
-// travels until the next frame. The resulting step of the coupling's force must stay below the one
-// that counts as a fault (kWrenchRate), 1.5 K v_max dt; the stiffness K cancels out.
+// Limits model_sight. A frame's planes describe the bone up to normal_enlargement from the tool. Until the
+// next frame, the tool may enter bone farther away by the rest of model_sight, so the next frame makes the
+// coupling's force step. The step must stay below the one that latches kWrenchRate, 1.5 K v_max dt. The
+// stiffness K cancels out.
 void CheckSight(const Reader& limits, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double step_m =
@@ -174,8 +175,8 @@ void CheckSight(const Reader& limits, const CellConfig& cell) {
 }
 
 // Limits max_slide. A frame moves the proxy by at most max_slide, and the coupling follows within its return
-// time. The force step of one tick, damping included, must stay below the one that counts as a fault
-// (CheckSight).
+// time. The resulting change of force in one tick, damping included, must stay below the one that latches
+// kWrenchRate (CheckSight).
 void CheckSlide(const Reader& cutting, const CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   const double hand_over_s = std::max(servo.coupling.return_s, servo.period_s);
@@ -198,7 +199,7 @@ void CheckOrder(const Reader& section, const std::string& smaller_key, const std
                  fmt::format("found {:.10g}, accepted more than {} ({:.10g})", larger, smaller_key, smaller));
 }
 
-// Radius [m] of the cutting head: the hand guides the point that lies this far behind the apex.
+// Radius [m] of the cutting head. The head's centre, which the hand guides, lies this far behind the apex.
 double HeadRadius(const simulation::Tool& tool) {
   const simulation::ToolBall* head = simulation::CuttingHead(tool);
   return head ? head->radius_m : tool.balls.front().radius_m;
@@ -212,7 +213,7 @@ bool PlaceArm(const LbrConfig& arm, const Pose& X_BF, StartConfig& start) {
 
 bool PlaceArm(const SixAxisConfig& arm, const Pose& X_BF, StartConfig& start) {
   constexpr double kQuarter = std::numbers::pi / 2.0;
-  kinematics::JointVectorN<6> q, usual;  // of several solutions, the one nearest to `usual` is taken
+  kinematics::JointVectorN<6> q, usual;  // among several solutions, the one nearest to `usual` is used
   usual << 0.0, -kQuarter, kQuarter, 0.0, kQuarter, 0.0;
   if (!kinematics::OrthoParallelArm(arm.params).Inverse(X_BF, usual, q)) return false;
   start.q << q, 0.0;
@@ -285,7 +286,8 @@ std::vector<simulation::Material> SceneMaterials(const Reader& cell, const std::
   return std::move(*selected);
 }
 
-// The edges' own force needs a tool whose edges are counted, and a material that states it.
+// Refuses edge_force unless the tool's file counts the edges (edge_count) and a material states
+// edge_force_N_per_mm.
 void CheckEdgeForce(const Reader& cutting, const CellConfig& cell) {
   if (!cell.cutting.edge_force) return;
   if (simulation::CuttingEdges(cell.tool.tool) == 0)
@@ -308,7 +310,8 @@ ToolConfig ChooseTool(const Reader& reader, const ToolChoice& own,
   }
 }
 
-// Copies values of one file to every place that uses them.
+// Copies values that several parts of the configuration need from the file that states them to the other
+// parts.
 void PropagateSharedValues(CellConfig& cell) {
   control::ServoParams& servo = cell.servo;
   std::visit(
@@ -322,7 +325,8 @@ void PropagateSharedValues(CellConfig& cell) {
   servo.posture_load.axial_N = servo.wrench.max_force_N;
   servo.workspace.deceleration_m_per_s2 = servo.stop_deceleration_m_per_s2;
   servo.spindle_rad_per_s = cell.tool.spindle_rad_per_s;
-  // The file has these limits as ratios of the tool's own values, because a cell accepts other tools as well.
+  // The cell's file states these limits as ratios of the tool's own values, because the cell may be used with
+  // other tools.
   if (const double rated_Nm = cell.tool.drive.rated_torque_Nm * cell.tool.drive.gear_ratio; rated_Nm > 0.0) {
     servo.spindle_limits.max_torque_Nm *= rated_Nm;
     servo.spindle_limits.max_speed_rad_per_s *= cell.tool.spindle_rad_per_s;
@@ -333,7 +337,7 @@ void PropagateSharedValues(CellConfig& cell) {
   cell.cutting.max_force_N = servo.wrench.max_force_N;
 
   cell.simulated.X_WB = cell.X_WB;
-  // so far, q_start holds the simulated arm's offset from the start
+  // Until here, q_start is the simulated arm's offset from the start.
   for (std::size_t i = 0; i < cell.simulated.q_start.size(); ++i)
     cell.simulated.q_start[i] += cell.start.q[static_cast<Eigen::Index>(i)];
 
@@ -348,7 +352,7 @@ void PropagateSharedValues(CellConfig& cell) {
       cell.script);
 }
 
-// The sections that a cell for a real arm alone may omit, but only all three.
+// The three sections that a cell for a real arm may omit. Either all three are present or none.
 struct SimulationSections {
   Reader hand, script;
   SimulatedArmSection arm;
@@ -401,7 +405,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   const Reader watchdog = reader.Section("watchdog"), coupling = reader.Section("coupling");
   ReadWatchdog(watchdog, servo.watchdog);
   ReadLaw(reader, cell);
-  servo.vibration.acts = false;  // in a cell without section `vibration`: see docs/tuning.md
+  // default for a cell without section `vibration`; docs/tuning.md gives the reason
+  servo.vibration.acts = false;
   if (reader.Has("console"))
     cell.pause_when_operator_leaves = reader.Section("console").Bool("pause_when_operator_leaves");
   if (reader.Has("vibration")) ReadVibration(reader.Section("vibration"), servo.vibration);
@@ -414,8 +419,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   cell.injections = ReadInjections(reader);
   reader.Finish();
 
-  // All keys of the cell's file are read: check its values against each other, then load the files that it
-  // names.
+  // All keys of the cell's file have been read. Check its values against each other, then load the files that
+  // it names.
   CheckDepthLimit(reader, servo.depth, servo.coupling.max_stiffness_N_per_m);
   cell.own_gains = control::GainsOf(servo.admittance, servo.coupling);
   if (!gains.empty()) ApplyGainsFile(gains, servo.law, servo.admittance, servo.coupling);
@@ -437,7 +442,8 @@ CellConfig ReadCell(Reader reader, const std::optional<ToolChoice>& tool, const 
   CompleteArmLink(reader, cell);
   cell.tool = ChooseTool(reader, own_tool, tool);
   cell.tool_file = tool ? tool->file : own_tool.file;
-  cell.simulated.X_FT = cell.tool.X_FT;  // the tool's file, even if a calibration has measured another apex
+  cell.simulated.X_FT = cell.tool.X_FT;  // the simulated arm keeps the value of the tool's file; only the
+                                         // loop uses a calibrated apex
   servo.stabilisers.age_governor.tool_radius_m = HeadRadius(cell.tool.tool);
   CarryPayload(sensor_F, cell);
   CompleteDevices(devices, cell);

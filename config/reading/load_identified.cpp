@@ -16,12 +16,14 @@ namespace {
 constexpr double kMaxSpeed_mm_per_s = 250.0, kMaxFrequency_hz = 1000.0, kMaxTime_ms = 1000.0;
 // the estimate of a delay near zero may be negative
 constexpr double kMinDelay_ms = -10.0, kMaxDeadTime_ms = 200.0, kMaxSensorDelay_ms = 50.0;
-constexpr double kMaxLoss = 0.99;                        // share of the answers that the arm did not use
-constexpr std::size_t kMaxLines = 400, kMaxItems = 100;  // of a response; of any other list
-// RequireLag accepts a lag that differs from the model's by this share of it plus this time.
+constexpr double kMaxLoss = 0.99;  // share of the answers that the arm did not use
+// number of lines of a response; length of any other list
+constexpr std::size_t kMaxLines = 400, kMaxItems = 100;
+// RequireLag accepts a lag that differs from the model's lag by at most kLagTolerance × that lag +
+// kLagTolerance_s.
 constexpr double kLagTolerance = 0.1, kLagTolerance_s = 0.5e-3;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
-// A file belongs to a cell whose start (each joint) and period differ by no more.
+// A file belongs to a cell if the joint positions at the start and the period differ by no more than this.
 constexpr double kSamePosture_rad = 0.02, kSamePeriod_s = 1e-9;
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -42,7 +44,7 @@ IdentifiedInterval ReadInterval(Reader& section, const std::string& key, double 
 
 void RequireInterval(const IntervalCheck& check) {
   if (check.interval.low <= check.interval.high && check.interval.Contains(check.value)) return;
-  const double unit = check.key.ends_with("_ms") ? 1e-3 : 1.0;  // as the file has it
+  const double unit = check.key.ends_with("_ms") ? 1e-3 : 1.0;  // the file's unit, in SI
   check.section.Refuse(
       check.key, fmt::format("found {:.6g} … {:.6g}, accepted an interval around the value beside it, {:.6g}",
                              check.interval.low / unit, check.interval.high / unit, check.value / unit));
@@ -58,7 +60,7 @@ void RequireLag(const Reader& section, const IdentifiedArm& arm) {
                                        1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance));
 }
 
-// Refuses an item that is the same as an earlier one, by `same`: axis, speed and kind.
+// Refuses an item that is the same as an earlier one. `same` compares axis, speed and kind of two items.
 template <class Item, class Same>
 void RequireOnce(const std::vector<Reader>& sections, const std::vector<Item>& items, const Same& same) {
   for (std::size_t i = 0; i < items.size(); ++i)
@@ -84,7 +86,7 @@ void RequireHand(const Reader& section, const std::string& name, const std::vect
                                      names.empty() ? "there are none" : names));
 }
 
-constexpr const char* kLaws[] = {"admittance", "impedance"};  // as control::Law
+constexpr const char* kLaws[] = {"admittance", "impedance"};  // in the order of control::Law
 
 IdentifiedValidity ReadValidity(Reader section, std::optional<control::Law>& law,
                                 std::vector<Reader>& recordings) {
@@ -196,8 +198,8 @@ void ReadVibration(Reader& cell, IdentifiedCell& identified) {
   if (cell.Has("dead_zone_N")) identified.dead_zone_N = cell.Number("dead_zone_N", 0, 50);
 }
 
-// The content of a file, its section valid_for (for refusals after reading), and the law that it names, if
-// any.
+// The content of a file, its section valid_for (in which later checks refuse a key), and the law that the
+// file names, if any.
 struct IdentifiedFile {
   IdentifiedCell identified;
   Reader valid_for;
@@ -215,7 +217,7 @@ IdentifiedFile ReadIdentifiedFile(const std::filesystem::path& file) {
   read.law = law;
   IdentifiedCell& identified = read.identified;
   std::vector<IntervalCheck> checks;
-  std::vector<std::vector<Reader>> lines;  // of each response
+  std::vector<std::vector<Reader>> lines;  // sections of the lines, for each response
   std::vector<Reader> arms = cell.Sections("arm", 0, kMaxItems),
                       responses = cell.Sections("response", 0, kMaxItems);
   for (Reader& arm : arms) identified.arm.push_back(ReadArm(arm, checks));
@@ -232,7 +234,7 @@ IdentifiedFile ReadIdentifiedFile(const std::filesystem::path& file) {
   ReadVibration(cell, identified);
   reader.Finish();
 
-  // All keys are there: check the values against each other.
+  // All keys are present. Check the values against each other.
   for (const IntervalCheck& check : checks) RequireInterval(check);
   for (std::size_t i = 0; i < arms.size(); ++i) RequireLag(arms[i], identified.arm[i]);
   for (std::size_t i = 0; i < recordings.size(); ++i)
@@ -263,7 +265,7 @@ std::string IntervalText(const IdentifiedInterval& interval, double unit) {
   return fmt::format("[{:.10g}, {:.10g}]", interval.low / unit, interval.high / unit);
 }
 
-constexpr double kMilli = 1e-3;  // unit of texts in ms or mm/s, in SI
+constexpr double kMilli = 1e-3;  // size of the units ms and mm/s in SI
 
 const char* NameOf(control::Law law) { return kLaws[law == control::Law::kAdmittance ? 0 : 1]; }
 

@@ -35,10 +35,10 @@ namespace osteon::config {
 /// @throws ConfigError at the line of the key that differs.
 [[nodiscard]] IdentifiedCell ReadIdentifiedFor(const std::filesystem::path& file, const CellConfig& cell);
 
-/// Returns the file's text, with 10 significant digits. Read again by ReadIdentified, the values differ by
-/// less than 1e-9, and WriteIdentified then gives the same text.
+/// Returns the file's text, with 10 significant digits. If ReadIdentified reads this text, its values differ
+/// from the original ones by less than 1e-9, and WriteIdentified makes the same text of them.
 /// @param comment  lines for the file's head, without "# "
-/// @param law  the cell's law; absent: the file names no law and suits any
+/// @param law  the cell's law; absent: the file names no law and is valid for any law
 [[nodiscard]] std::string WriteIdentified(const IdentifiedCell& identified, const std::string& comment,
                                           std::optional<control::Law> law = {});
 

@@ -15,8 +15,8 @@ void ReadEdgeForce(Reader& tissue, simulation::Material& material) {
                                 .assumed = tissue.Bool("edge_force_assumed")};
 }
 
-// The measured cutting energy includes the work of the edge's force: refuses a force that alone would need it
-// all.
+// Refuses an edge force that alone would need the whole specific cutting energy. The measured energy includes
+// the work of the edge force, so this work must be smaller.
 void CheckEdgeForce(const Reader& tissue, const simulation::Material& material) {
   const double max_N_per_m = material.specific_cutting_energy_J_per_m3 * material.measured_chip_m;
   if (material.edge_force_N_per_m > 0.0 && material.edge_force_N_per_m >= max_N_per_m)

@@ -81,7 +81,7 @@ JointRow ReadJoint(Reader row) {
   return {joint, sections, link};
 }
 
-// Joins the joints and the flange's pose X_LF in the last link.
+// Makes a chain from the joints and X_LF, the flange's pose in the last link.
 template <int N>
 ChainParams<N> ChainOf(const std::vector<JointRow>& rows, const Pose& X_LF) {
   ChainParams<N> chain;
@@ -96,8 +96,8 @@ void ReadJoints(Reader& reader, RobotModel& model) {
   std::vector<JointRow> rows;
   for (const Reader& row : reader.Sections("joints", 6, 7)) rows.push_back(ReadJoint(row));
   const Pose X_LF = ReadPose(reader.Section("flange"));
-  // The file has to name its sources, which the program does not use. Masses need a source, and a source
-  // masses.
+  // The file must name its sources; the program does not use them. A source of masses must be present if, and
+  // only if, the links have masses.
   Reader sources = reader.Section("sources");
   for (const char* figure : {"geometry", "limits", "acceleration"}) static_cast<void>(sources.Text(figure));
   const bool has_masses = sources.Has("masses");

@@ -41,7 +41,7 @@ struct RobotModel {
 [[nodiscard]] RobotModel LoadRobot(const std::filesystem::path& path);
 
 /// Reads a section with mass_kg, center_mm and inertia_kg_m2 (about the centre: xx, yy, zz, xy, xz, yz). The
-/// caller may read more of it before Finish() of the whole.
+/// caller may read further keys of the section before it calls Finish() of the file.
 [[nodiscard]] kinematics::LinkInertia ReadBody(Reader section);
 
 /// Refuses a body that is physically impossible, at its section. Call after Finish().

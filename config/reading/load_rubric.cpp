@@ -12,9 +12,9 @@ namespace osteon::config {
 
 namespace {
 
-// Refuses an item whose points would rise with a larger error, and items that together have more than 100
-// points.
-// @param sections  each item's section, with the key of its value for no points
+// Refuses an item that would give more points for a larger error. Refuses items that together give more than
+// 100 points.
+// @param sections  each item's section, with the key of the value at which the item gives no points
 void CheckNorms(const procedure::Rubric& rubric,
                 const std::vector<std::pair<Reader, std::string>>& sections) {
   constexpr double kAllPoints = 100.0, kRounding = 1e-9;
@@ -39,10 +39,11 @@ void CheckNorms(const procedure::Rubric& rubric,
 }  // namespace
 
 procedure::Rubric LoadRubric(const std::filesystem::path& path) {
-  constexpr double kMaxNorm = 1e6;  // in the metric's unit
+  constexpr double kMaxNorm = 1e6;  // largest accepted value, in the metric's unit
   Reader reader = Reader::Load(path);
   procedure::Rubric rubric{.name = path.stem().string(), .items = {}, .breach_source = {}};
-  std::vector<std::pair<Reader, std::string>> sections;  // with the key of the norm for no points
+  // with the key of the value at which the item gives no points
+  std::vector<std::pair<Reader, std::string>> sections;
   for (const procedure::Metric& metric : procedure::Metrics()) {
     if (!reader.Has(metric.name)) continue;
     Reader section = reader.Section(metric.name);

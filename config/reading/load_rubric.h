@@ -6,8 +6,8 @@
 
 namespace osteon::config {
 
-/// Loads a rubric: one section for each scored metric (procedure::Metrics), its norms in the metric's unit,
-/// each with its source; and what is deducted.
+/// Loads a rubric. It has a section for each scored metric (procedure::Metrics) with the values for full and
+/// for no points, in the metric's unit and with their source, and a section with the deductions.
 /// @throws ConfigError
 [[nodiscard]] procedure::Rubric LoadRubric(const std::filesystem::path& path);
 

@@ -46,7 +46,7 @@ ScenarioConfig LoadScenario(const std::filesystem::path& file) {
   if (reader.Has("plan")) scenario.plan = reader.File("plan", "plans");
   if (reader.Has("guidance_ratio")) scenario.guidance = reader.Number("guidance_ratio", 0, 1);
   if (reader.Has("tolerances")) ReadTolerances(reader.Section("tolerances"), scenario.tolerances);
-  static_cast<void>(reader.Has(kOverridesKey));  // accept this key: the overlay of overrides reads it
+  static_cast<void>(reader.Has(kOverridesKey));  // marks this key as known; the overlay reads its content
   reader.Finish();
 
   if (scenario.resume_s && !(scenario.pause_s && *scenario.pause_s < *scenario.resume_s))

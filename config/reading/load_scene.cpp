@@ -106,8 +106,8 @@ void ReadFemoralHead(Reader shape, SceneParams& scene, SceneMaterialNames&) {
   scene.shape = read;
 }
 
-// Reads a kind that decides which keys follow. Without a kind, the other keys would be refused for the wrong
-// reason.
+// Reads a kind, which decides about the other keys of the section. If the kind is missing, the section is
+// refused at once, because the other keys would be refused as unknown.
 std::size_t ReadKind(Reader& section, std::initializer_list<const char*> accepted) {
   if (section.Text("kind").empty()) section.Finish();
   return section.Choice("kind", accepted);
@@ -151,14 +151,14 @@ void ReadMeshTissue(Reader section, simulation::MeshSceneTissue& tissue, SceneMa
   }
 }
 
-// Reads the finest spacing, and the two depths from which it may double: the keys PREFIXspacing_mm and
-// PREFIXcoarser_from_mm.
+// Reads a graded spacing: the finest spacing (key PREFIXspacing_mm), and the depths from which the spacing
+// may double once and twice (key PREFIXcoarser_from_mm).
 simulation::GradeParams ReadGrade(Reader& section, const std::string& prefix, double min_mm, double max_mm) {
   return {.finest_m = section.Number(prefix + "spacing_mm", min_mm, max_mm),
           .coarser_from_m = section.Numbers(prefix + "coarser_from_mm", 2, 0, 500)};
 }
 
-// Refuses depths whose second is smaller than the first.
+// Refuses a second depth that is smaller than the first.
 void CheckAscending(const Reader& section, const std::string& key, const simulation::GradeParams& grade) {
   if (grade.coarser_from_m[0] > grade.coarser_from_m[1])
     section.Refuse(key, fmt::format("found {:.10g} after {:.10g}, accepted the smaller depth first",
@@ -177,7 +177,8 @@ void ReadPacking(Reader& section, simulation::PackingParams& packing) {
   packing.samples = ReadGrade(section, "sample_", 0.05, 10);
 }
 
-// Reads a fidelity, whose plan follows the scene's own cut, given by a cup or a path.
+// Reads a section `fidelity`. Planning a packing for it needs a known cut, so the zone must be a cup or a
+// path.
 simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneParams& zone) {
   using Kind = simulation::ZoneParams::Kind;
   const simulation::FidelityRequest read{.error_m = section.Number("error_mm", 0.001, 5),
@@ -190,7 +191,7 @@ simulation::FidelityRequest ReadFidelity(Reader section, const simulation::ZoneP
 // Checks the sizes of a shape against each other.
 void CheckShape(const Reader& section, const simulation::SceneShape& shape) {
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&shape)) {
-    constexpr double kMinWall_m = 0.002;  // bone beside and below the cup
+    constexpr double kMinWall_m = 0.002;  // smallest thickness of bone beside and below the cup
     const double max_m = std::min(0.5 * cup->width_m, cup->height_m) - kMinWall_m;
     if (cup->cup_radius_m > max_m)
       section.Refuse("cup_radius_mm",
@@ -213,7 +214,7 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   const std::size_t kind =
       ReadKind(reader, {"acetabulum", "molar", "femoral_canal", "block", "femoral_head"});
   constexpr std::size_t kAcetabulum = 0;
-  // in the order of the kinds above
+  // the array is in the order of the kinds above
   const auto read_shape = std::array{ReadAcetabulum, ReadMolar, ReadFemur, ReadBlock, ReadFemoralHead}[kind];
   const simulation::SceneShape default_shapes[] = {simulation::AcetabulumShape{}, simulation::MolarShape{},
                                                    simulation::FemurShape{}, simulation::BlockShape{},
@@ -221,7 +222,7 @@ SceneParams LoadScene(const std::filesystem::path& path) {
   SceneMaterialNames names(simulation::MaterialNames(default_shapes[kind]));
   const Reader shape = reader.Section("shape");
   read_shape(shape, scene, names);
-  if (kind != kAcetabulum) {  // an acetabulum's cup is its site
+  if (kind != kAcetabulum) {  // the site of an acetabulum is its cup
     Reader site = reader.Section("site");
     const std::vector<double> place_m = site.Numbers("place_mm", 2, -500, 500);
     scene.site = {.x_m = place_m[0], .y_m = place_m[1], .radius_m = site.Number("radius_mm", 0.5, 100)};

@@ -16,7 +16,7 @@ using procedure::GuidanceCeilings;
 using procedure::GuidanceGains;
 using procedure::SurgicalPlan;
 
-constexpr double kMaxPlace_mm = 2000.0;  // of each coordinate in G
+constexpr double kMaxPlace_mm = 2000.0;  // largest accepted coordinate in G, in magnitude
 constexpr std::size_t kMaxTools = 12;    // reamers or burrs of a plan
 
 // Reads a point in the bone's frame G [m].
@@ -24,17 +24,18 @@ Vector3 ReadPosition(Reader& section, const std::string& key) {
   return section.Triple(key, -kMaxPlace_mm, kMaxPlace_mm);
 }
 
-// Reads a direction of the body, whose key is its word alone or the word with "_axis": "lateral",
+// Reads a direction of the body. Its key is the word alone or the word with "_axis": "lateral" or
 // "lateral_axis".
 Vector3 BodyAxis(Reader& section, const std::string& word) {
   return section.Direction(section.Has(word) ? word : word + "_axis");
 }
 
-// Reads the pelvic tilt, and either landmarks, which go to the plan, or the axes, which are returned.
-// MakeFrame makes the frame from them after Finish().
+// Reads the pelvic tilt, and either landmarks or axes. Landmarks are stored in the plan, axes are returned.
+// MakeFrame makes the pelvic frame from landmarks or axes after Finish().
 procedure::PelvicFrame ReadPelvis(Reader& section, SurgicalPlan& plan) {
   procedure::PelvicFrame axes;
-  // In this order, axes beside landmarks, and "lateral_axis" beside "lateral", are refused as unknown keys.
+  // Either landmarks or axes are read. Keys of the other form are not read, so that Finish() refuses them as
+  // unknown; the same holds for "lateral_axis" beside "lateral".
   if (!section.Has("asis_right_mm") && (section.Has("lateral") || section.Has("lateral_axis"))) {
     axes = {.lateral = BodyAxis(section, "lateral"),
             .anterior = BodyAxis(section, "anterior"),
@@ -83,8 +84,8 @@ std::vector<Reader> ReadOpening(Reader& reader, Reader& section, SurgicalPlan& p
   return burrs;
 }
 
-// Makes the frame of an opening: superior along its axis, the other two across it, as near to G's x and y as
-// possible.
+// Makes the frame of an opening. Its superior axis is the opening's axis; the other two axes are as near to x
+// and y of G as possible.
 procedure::PelvicFrame FrameOfOpening(const Vector3& axis_G) {
   const Matrix3 R_GC = RotationFromZTo(axis_G);
   return {.lateral = R_GC.col(0), .anterior = R_GC.col(1), .superior = axis_G};
@@ -137,7 +138,8 @@ void CheckStop(const Reader& section, const char* key, double free, double stop,
                                   stop * unit, free * unit));
 }
 
-// The sections of the guidance that have a stop, which must lie beyond the section's free range.
+// The sections of the guidance that have a stop. CheckStops requires that each stop lies beyond the section's
+// free range.
 struct GuidanceSections {
   Reader cone, lateral;
   std::optional<Reader> cup_cone;  // only in the plan of a cup
@@ -220,8 +222,8 @@ void ReadPlannedBone(Reader bone, std::filesystem::path& scene, SurgicalPlanConf
     config.mesh_cup = ReadMeshCup(bone.Section("cup"));
 }
 
-// Returns the site of the plan's bone without packing it. The site in a packing file is only known once that
-// file is read.
+// Returns the site of the plan's bone, without making the bone's packing. Refuses a packing file without
+// `cup`, since the site in a packing file is not known before that file is read.
 simulation::CutSite SiteOf(const Reader& reader, const SurgicalPlanConfig& config) {
   if (!config.bone && !config.mesh_cup) return simulation::MakeSceneSolid(config.scene).site;
   if (config.bone && !config.bone->cup)

@@ -19,7 +19,7 @@ constexpr const char* kAccepted =
     "accepted a list (5, 10, 20), \"A to B in N steps\", \"uniform A to B\", \"normal MEAN sd S\", or "
     "\"seed\"";
 
-// Returns the finite number that the whole text is; nothing if it is none.
+// Parses the whole text as a finite number; nothing if it is no such number.
 std::optional<double> NumberFrom(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -39,8 +39,8 @@ std::vector<std::string> Split(const std::string& text, char separator) {
   return parts;
 }
 
-// Returns the numbers of a text that has the words of `form`, in which # stands for a number: "uniform # to
-// #". Nothing if the text has other words.
+// Returns the numbers in a text of a given form, such as "uniform # to #", in which # stands for a number.
+// Nothing if the text does not have this form.
 std::optional<std::vector<double>> NumbersOf(const std::string& text, const std::string& form) {
   std::istringstream words(text), accepted(form);
   std::vector<double> numbers;

@@ -29,7 +29,7 @@ struct Sizes {
 };
 
 // Returns the requested diameter [m], or the default one. Refuses a default that is no size of the tool.
-// @throws ToolSizeError if the requested diameter is none
+// @throws ToolSizeError if the requested diameter is no size of the tool
 double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<double>& requested_m) {
   const auto is_listed = [&](double size_m) {
     return std::any_of(sizes.diameters_m.begin(), sizes.diameters_m.end(),
@@ -45,7 +45,7 @@ double ChooseSize(const Reader& reader, const Sizes& sizes, const std::optional<
   return *requested_m;
 }
 
-// Reads first to last in steps, e.g. 36 … 68 in steps of 1.
+// Reads sizes from a first to a last one in equal steps, e.g. 36 … 68 mm in steps of 1 mm.
 Sizes ReadSteps(Reader& reader, double min_mm, double max_mm) {
   Sizes sizes;
   Reader section = reader.Section("diameters");
@@ -65,7 +65,8 @@ Sizes ReadSteps(Reader& reader, double min_mm, double max_mm) {
   return sizes;
 }
 
-// Reads a list with a row for each size; `read` gets each row after its diameter.
+// Reads a list with a row for each size. For each row, reads the diameter, then calls `read` for the other
+// keys.
 template <typename ReadRow>
 Sizes ReadRows(Reader& reader, double min_mm, double max_mm, const ReadRow& read) {
   Sizes sizes;
@@ -80,7 +81,7 @@ Sizes ReadRows(Reader& reader, double min_mm, double max_mm, const ReadRow& read
   return sizes;
 }
 
-// Index of a diameter among the sizes, which contain it (ChooseSize).
+// Index of a diameter among the sizes. ChooseSize has checked that the diameter is a size.
 std::size_t RowOf(const Sizes& sizes, double diameter_m) {
   for (std::size_t i = 0; i < sizes.diameters_m.size(); ++i)
     if (std::abs(sizes.diameters_m[i] - diameter_m) < kSameSize_m) return i;
@@ -96,7 +97,7 @@ HolderParams ReadHolder(Reader section) {
 
 double ReadDensity(Reader& reader) { return reader.Number("density_g_per_cm3", 0.1, 25); }
 
-// Reports a builder's refusal at the line of its input.
+// Calls `build`. If `build` refuses its input, reports the error at the key's line of the file.
 template <typename Build>
 BuiltTool BuildTool(const Reader& reader, const std::string& key, const Build& build) {
   try {
@@ -119,7 +120,7 @@ BuiltTool LoadReamer(Reader& reader, const std::optional<double>& diameter_m) {
   params.holder = ReadHolder(reader.Section("holder"));
   const Sizes sizes = ReadSteps(reader, 2, 200);
 
-  // the thinnest head limits the shaft
+  // the shaft must be thinner than the smallest head
   const double min_radius_m = 0.5 * sizes.diameters_m.front();
   if (params.shaft_radius_m >= min_radius_m)
     shaft.Refuse("radius_mm",
@@ -281,7 +282,7 @@ ToolConfig LoadTool(const std::filesystem::path& path, const std::optional<doubl
   const auto edges =
       static_cast<std::uint8_t>(reader.Has("edge_count") ? reader.WholeNumber("edge_count", 1, 200) : 0);
   BuiltTool built;
-  switch (kind) {  // in the order of the words above
+  switch (kind) {  // the numbers follow the order of the words above
     case 0:
       built = LoadReamer(reader, diameter_m);
       break;

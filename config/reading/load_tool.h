@@ -9,7 +9,8 @@
 
 namespace osteon::config {
 
-/// A size that a tool does not come in: "found …, accepted …". The caller knows where it was requested.
+/// The error for a size that a tool does not have: "found …, accepted …". The caller must add where the size
+/// was requested.
 class ToolSizeError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

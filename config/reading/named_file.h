@@ -8,7 +8,7 @@
 
 namespace osteon::config {
 
-/// A path from the root, without "." and "..".
+/// The absolute path of a file, without "." and "..".
 [[nodiscard]] std::filesystem::path AbsolutePath(const std::filesystem::path& path);
 
 /// The YAML files of a folder, sorted by name; none if the folder cannot be read.

@@ -9,7 +9,7 @@
 
 namespace osteon::config {
 
-/// Selects materials by their names, in the names' order.
+/// Selects materials by their names. The result is in the order of the names.
 /// @returns the materials, or as the error the first name that is not in `found`
 [[nodiscard]] tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
     const std::vector<simulation::Material>& found, const std::vector<std::string>& names);

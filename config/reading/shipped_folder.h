@@ -5,9 +5,10 @@
 
 namespace osteon::config {
 
-/// The nearest folder above a program or library that has the shipped files: config/ (a checkout, or an
-/// add-on) or share/osteon/config/ (an installation). Empty: there is none.
-/// @param has  folders that it must contain, to tell it from other folders of its name: "scenes", "tools"
+/// Finds the folder with the shipped files: the nearest config/ (in a checkout or an add-on) or
+/// share/osteon/config/ (in an installation) above the file of a program or library. Empty: there is none.
+/// @param has  subfolders that the folder must contain, since other folders may have the same name: "scenes",
+///   "tools"
 [[nodiscard]] std::filesystem::path FindShippedAbove(const std::filesystem::path& file,
                                                      std::span<const char* const> has);
 

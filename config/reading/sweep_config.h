@@ -8,17 +8,17 @@
 
 namespace osteon::config {
 
-/// How the values of a parameter come about.
+/// How the values of a parameter are chosen.
 enum class SweepDraw : std::uint8_t {
-  kListed,   ///< each of `values`, with each of the other parameters'
+  kListed,   ///< each of `values`, combined with each value of the other listed parameters
   kUniform,  ///< between low and high, drawn for each seed
   kNormal,   ///< about mean, with standard deviation sd, drawn for each seed
-  kSeed,     ///< the seed's number itself
+  kSeed,     ///< the value is the number of the seed
 };
 
 /// A value of the scenario's cell that a sweep changes.
 struct SweepParameter {
-  std::string key;  ///< as in a scenario's overrides: coupling.stiffness_N_per_mm
+  std::string key;  ///< key as in a scenario's overrides: "coupling.stiffness_N_per_mm"
   SweepDraw draw{SweepDraw::kListed};
   std::vector<std::string> values{};  ///< only for kListed
   double low{0.0}, high{0.0};         ///< only for kUniform

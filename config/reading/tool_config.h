@@ -12,19 +12,19 @@ namespace osteon::config {
 struct ToolDriveConfig {
   double gear_ratio{1.0};  ///< turns of the motor for each turn of the tool
   double rated_torque_Nm{0.0};
-  double spin_up_s{0.0};  ///< from rest to the spindle's speed
+  double spin_up_s{0.0};  ///< time from rest to the spindle's speed
 };
 
 /// How a tool bends.
 struct ToolBendingConfig {
-  simulation::ToolCompliance compliance;  ///< without thrust
+  simulation::ToolCompliance compliance;  ///< compliance of the tool without thrust
   double relaxation_s{0.020};             ///< time constant of the bending in the loop
 };
 
 struct ToolConfig {
   simulation::Tool tool;
   Pose X_FT{Pose::Identity()};                 ///< tool in the flange's frame
-  std::optional<ToolBendingConfig> bending{};  ///< absent: it counts as rigid
+  std::optional<ToolBendingConfig> bending{};  ///< absent: the tool is rigid
   double spindle_rad_per_s{0.0};
   ToolDriveConfig drive;
 };

@@ -25,8 +25,8 @@ bool NamesThisServer(std::string_view host, std::string_view address) {
   return IsLoopback(name) || name == address || address == "0.0.0.0" || address == "::";
 }
 
-// Takes the same time wherever two texts of equal length differ, so that a token cannot be guessed digit by
-// digit.
+// Compares two texts. For texts of equal length, the time does not depend on where they differ, so that a
+// token cannot be guessed digit by digit.
 bool SameText(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned differ = 0;
@@ -34,7 +34,7 @@ bool SameText(std::string_view a, std::string_view b) {
   return differ == 0;
 }
 
-// Checks the token of a request. @param token  the server's; empty: none is needed
+// Checks the token `found` in a request. @param token  the server's token; empty: no token is needed
 // @returns the reason of a refusal; empty: accepted
 std::string CheckToken(std::string_view found, std::string_view token) {
   return token.empty() || SameText(found, token) ? "" : "the token is missing or wrong";
@@ -48,7 +48,7 @@ bool IsLoopback(std::string_view address) {
 
 std::string CheckAccess(const OpenRequest& request, std::string_view address, std::string_view token) {
   if (!NamesThisServer(request.host, address)) return std::string(kOwnAddress);
-  // a browser always names the page's origin; a program need not
+  // A browser always sends the page's origin. A program may omit it.
   if (!request.origin.empty() && request.origin != fmt::format("http://{}", request.host))
     return "a page of another origin may not open the console";
   return CheckToken(request.token, token);

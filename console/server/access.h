@@ -10,29 +10,31 @@ namespace osteon::console {
 /// Whether an address is this machine's own: 127.0.0.1, ::1, localhost.
 [[nodiscard]] bool IsLoopback(std::string_view address);
 
-/// The parts of a request to open that access depends on. They are not to be trusted: anybody may send any.
+/// The parts of a request to open that access depends on. None of them can be trusted: a client may send any
+/// text.
 struct OpenRequest {
   std::string_view host;    ///< header Host; empty: absent
   std::string_view origin;  ///< header Origin; empty: absent
-  std::string_view token;   ///< from the query; empty: absent
+  std::string_view token;   ///< value of "token=" in the query; empty: absent
 };
 
-/// Checks a request to open. A page of another origin (a site in the same browser) is always refused. So is a
-/// Host that names neither the loopback nor `address`, because a foreign name can be made to lead to this
-/// machine (DNS rebinding); with `address` 0.0.0.0 or :: any Host is accepted. If `token` is not empty, the
-/// request must have it.
-/// @param address  on which the server listens  @returns the reason of a refusal; empty: accepted
+/// Checks a request to open. A page of another origin (a site in the same browser) is always refused. A Host
+/// that names neither the loopback nor `address` is refused too, because a foreign host name can be made to
+/// point to this machine (DNS rebinding). If `address` is 0.0.0.0 or ::, any Host is accepted. If `token` is
+/// not empty, the request must contain it.
+/// @param address  address on which the server listens @returns the reason of a refusal; empty: accepted
 [[nodiscard]] std::string CheckAccess(const OpenRequest& request, std::string_view address,
                                       std::string_view token);
 
-/// Checks the same for a viewer of Foxglove's protocol, which may only look. A program without an origin is
-/// accepted, and so are the viewers themselves: Foxglove's page and application, Lichtblick's application, a
-/// page of this machine.
+/// Checks a request of a viewer with Foxglove's protocol, which can only read. Host and token are checked as
+/// in CheckAccess. Accepted origins are: none (a program), Foxglove's page, the applications of Foxglove and
+/// Lichtblick, and a page of this machine.
 [[nodiscard]] std::string CheckViewerAccess(const OpenRequest& request, std::string_view address,
                                             std::string_view token);
 
-/// Finds the value of a name in a query. Nothing is decoded: the values in use have only digits and letters.
-/// @param name  with its "="  @returns the value; empty: absent
+/// Finds the value of a name in a query. Escapes such as %20 are not decoded, because the expected values
+/// have only digits and letters.
+/// @param name  including "=", e.g. "token=" @returns the value; empty: absent
 [[nodiscard]] std::string_view QueryValue(std::string_view query, std::string_view name);
 
 /// Makes a random token of 32 hexadecimal digits.

@@ -15,11 +15,13 @@ namespace osteon::console {
 /// Longest message that is read from a page [bytes].
 inline constexpr std::size_t kMaxClientMessage = 1024;
 
-/// {"ask": "pause"}: a request to the cell. Only the page with the operator's role may make one.
+/// {"ask": "pause"}, and likewise "resume", "stop" and "recover": a request to the cell. Only the page with
+/// the operator's role may make one.
 enum class OperatorRequest : std::uint8_t { kPause, kResume, kStop, kRecover };
-/// {"ask": "role"} takes the operator's role if nobody has it; {"ask": "watch"} gives it back.
+/// {"ask": "role"} requests the operator's role, which is granted if no page has it; {"ask": "watch"} gives
+/// it back.
 enum class RoleRequest : std::uint8_t { kTake, kGiveBack };
-/// {"ask": "all"}: send everything again, since the page has lost its picture.
+/// {"ask": "all"}: send all data again, because the page has lost some of them.
 struct ResendRequest {};
 
 /// {"ask": "play"}, {"ask": "halt"}, {"ask": "seek", "value": seconds}, {"ask": "speed", "value": factor},
@@ -39,9 +41,9 @@ struct GainsRequest {
 
 /// {"ask": "next_tool"}, {"ask": "tool", "value": diameter in mm}, {"ask": "undo_pass"}, {"ask": "save"},
 /// {"ask": "cup"}, {"ask": "guidance", "value": 0 … 1}, {"ask": "finish"}: a request to a procedure's
-/// session. Only the page with the operator's role may ask. "confirmed": true means, with a change of tool,
-/// that a person has confirmed which tool is mounted; with "finish", that the session ends although its plan
-/// is not finished. The value is finite.
+/// session. Only the page with the operator's role may ask. With a change of tool, "confirmed": true means
+/// that a person has confirmed which tool is mounted. With "finish", it means that the session shall end
+/// although its plan is not finished. The value is finite.
 struct ProcedureRequest {
   enum class Kind : std::uint8_t { kNext, kTool, kUndo, kSave, kCup, kGuidance, kFinish } kind{Kind::kNext};
   double value{0.0};
@@ -49,7 +51,7 @@ struct ProcedureRequest {
 };
 
 /// {"ask": "drawn", "value": seconds}: the page has drawn the figures of the window whose last tick has this
-/// stamp. It serves to measure delays; nothing acts on it. The value is finite.
+/// stamp. The server only computes delays from it. The value is finite.
 struct DrawnReport {
   double stamp_s{0.0};
 };

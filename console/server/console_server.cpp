@@ -28,20 +28,21 @@ namespace {
 // Answer to a request of a page without the operator's role.
 constexpr const char* kWatches = "this page watches: take the operator's role first";
 
-// A page that was closed because it did not read cannot be told the reason at once, since the last bytes that
-// it got may be half a message. It is told when it opens again with the key that it had.
-constexpr std::chrono::milliseconds kSlow{2000};  // a failed write that took longer waited for the page
-constexpr std::size_t kRememberedPages = 64;      // number of keys of pages that were closed as slow
-constexpr std::size_t kDrawnReports = 512;        // number of reports of which drawn_ms() is the median
-constexpr int kClosedSlow = 1008;                 // close code of RFC 6455: policy violation
+// The server closes a page that does not read. It cannot send the reason then, because the page may have
+// received only half of the last message. It sends the reason when the page opens again with its old key.
+// a failed write that took longer failed because the page did not read
+constexpr std::chrono::milliseconds kSlow{2000};
+constexpr std::size_t kRememberedPages = 64;  // number of keys of pages that were closed as slow
+constexpr std::size_t kDrawnReports = 512;    // number of newest reports whose median drawn_ms() returns
+constexpr int kClosedSlow = 1008;             // close code of RFC 6455: policy violation
 constexpr const char* kSlowReason =
     "the page took nothing for three seconds and was closed; it is connected again";
 
-// Each page keeps one of the server's threads as long as it is open; the others serve files.
+// Each open page occupies one of the server's threads. The other threads serve files.
 constexpr int kThreads = static_cast<int>(kMaxPages) + 8;
 
-// Sent with every file: nothing may be loaded from, or sent to, another machine, and no page of another
-// origin may show this one.
+// Headers of every file. They forbid the page to load from, or send to, another machine, and forbid pages of
+// another origin to embed this page.
 constexpr const char* kHeaders =
     "Content-Security-Policy: default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: "
     "blob:; connect-src 'self'; frame-ancestors 'self'\r\n"
@@ -60,13 +61,13 @@ class Page final : public PageWriter {
 
   bool WriteText(const std::string& text) override { return Write(MG_WEBSOCKET_OPCODE_TEXT, text); }
   bool WriteBinary(const std::string& bytes) override { return Write(MG_WEBSOCKET_OPCODE_BINARY, bytes); }
-  // Only marks the page as closed: a page that does not read takes no close frame. The server's thread ends
-  // the connection once the page does not answer pings, or has gone.
+  // Only marks the page as closed, because a page that does not read would not receive a close frame. The
+  // server's thread ends the connection once the page answers no pings or has disconnected.
   void Close() override { closed_.store(true); }
 
   /// The key by which the page is recognised when it opens again.
   [[nodiscard]] const std::string& key() const { return key_; }
-  /// Whether the last write waited for the page in vain.
+  /// Whether the last write timed out because the page did not read.
   [[nodiscard]] bool slow() const { return slow_.load(); }
   [[nodiscard]] std::uint64_t number() const { return number_; }
   [[nodiscard]] bool closed() const { return closed_.load(); }
@@ -87,7 +88,7 @@ class Page final : public PageWriter {
   mg_connection* const connection_;
   const std::string key_{NewToken()};
   std::atomic<bool> closed_{false}, slow_{false};
-  PageSender sender_;  // last: its thread writes to the others
+  PageSender sender_;  // last member, because its thread uses the other members
 };
 
 // The server with its pages. Threads of civetweb call the static handlers.
@@ -157,7 +158,7 @@ class Server final : public ConsoleServer {
     if (method != "GET" && method != "HEAD")
       return Refuse(connection, 405, "found another method, accepted GET");
     if (path == "/live") return 0;  // OnOpen checks
-    // the files are no secret, but a foreign name in Host is refused for them too
+    // The files are not secret, but a request with a foreign name in Host is refused nevertheless.
     const std::string_view host = OrEmpty(mg_get_header(connection, "Host"));
     if (const std::string wrong =
             CheckAccess({.host = host, .origin = {}, .token = {}}, server.params_.address, "");
@@ -199,7 +200,8 @@ class Server final : public ConsoleServer {
     return false;
   }
 
-  // Adds a page that has opened: gives it its key, and the reason if it was closed as slow before.
+  // Adds a page that has opened, and sends it its key. If the page was closed as slow before, also sends it
+  // the reason.
   static void OnReady(mg_connection* connection, void* user) {
     Server& server = Of(user);
     const std::uint64_t number = ++server.opened_;
@@ -234,8 +236,8 @@ class Server final : public ConsoleServer {
     }
   }
 
-  // Notes the time from a tick until a page had drawn it. Ignores a stamp that is not of the last minute: it
-  // is of another clock, or forged.
+  // Stores the time from a tick until a page has drawn its figures. Ignores a stamp outside the last minute:
+  // it is from another clock, or forged.
   void AddDrawnReport(const DrawnReport& report) {
     constexpr double kMaxAge_ms = 60e3;
     const double age_ms = 1e3 * (rt::ToSeconds(rt::MonotonicNow()) - report.stamp_s);
@@ -302,7 +304,7 @@ class Server final : public ConsoleServer {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 
-  // Removes a page that has gone. If it had the operator's role, the role is free again.
+  // Removes a page that has disconnected. If it had the operator's role, the role becomes free.
   static void OnClosed(const mg_connection* connection, void* user) {
     Server& server = Of(user);
     std::shared_ptr<Page> page;
@@ -318,11 +320,11 @@ class Server final : public ConsoleServer {
     if (page->closed()) ++server.slow_;
     const bool operated = server.role_.GiveBack(page->number());
     if (operated && !server.ending_.load() && server.params_.operator_left) server.params_.operator_left();
-    page.reset();  // ends its thread while the connection still exists
+    page.reset();  // ends the page's thread while the connection still exists
     --server.pages_open_;
   }
 
-  // The page of a connection; null: it has gone.
+  // The page of a connection; null if the page has disconnected.
   std::shared_ptr<Page> Find(const mg_connection* connection) {
     const std::lock_guard lock(mutex_);
     const auto found = pages_.find(connection);
@@ -335,13 +337,13 @@ class Server final : public ConsoleServer {
   std::atomic<std::size_t> pages_open_{0};
   SharedLive live_, second_live_;
   PageSources sources_;
-  std::optional<PageSources> second_;  // for pages that ask for stream=2
+  std::optional<PageSources> second_;  // data for pages that request stream=2; empty: there is one stream
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> opened_{0}, refused_{0}, bad_messages_{0}, slow_{0};
 
   mutable std::mutex mutex_;
   std::map<const mg_connection*, std::shared_ptr<Page>> pages_;  // guarded by mutex_
-  std::deque<std::string> slow_keys_;  // of pages that were closed as slow; guarded by mutex_
+  std::deque<std::string> slow_keys_;  // keys of pages that were closed as slow; guarded by mutex_
   std::deque<double> drawn_ms_;        // guarded by mutex_; newest last
 
   std::unique_ptr<WebServer> web_;

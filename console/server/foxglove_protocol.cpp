@@ -23,7 +23,7 @@ tl::unexpected<std::string> RefuseMessage(const std::string& found) {
       found));
 }
 
-// The unsigned 32-bit number that an object has under a name; nothing: it has none.
+// Value of a member of a JSON object as an unsigned 32-bit number; nothing if there is no such number.
 std::optional<std::uint32_t> NumberOf(const json& object, const char* name) {
   if (!object.is_object()) return std::nullopt;
   const auto found = object.find(name);
@@ -53,7 +53,7 @@ void AppendLittleEndian(Unsigned value, std::string& bytes) {
     bytes += static_cast<char>(static_cast<unsigned char>(value >> (8 * i) & 0xFFU));
 }
 
-// JSON as text, with a replacement character for what is not UTF-8.
+// JSON as text. Bytes that are not UTF-8 become replacement characters.
 std::string Dump(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 }  // namespace

@@ -11,12 +11,13 @@
 
 #include "base/clock.h"
 
-// Foxglove's live connection (https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md): the part that
-// a server needs that only publishes. Text frames are JSON; a message of a topic is a binary frame.
+// The protocol of Foxglove's live connection
+// (https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md), as far as a server that only publishes
+// needs it. Text frames are JSON; a message of a topic is a binary frame.
 
 namespace osteon::console {
 
-/// WebSocket subprotocols that viewers ask for; the messages used here are the same in both.
+/// WebSocket subprotocols that viewers request. The messages used here are the same in all of them.
 inline constexpr const char* kFoxgloveSubprotocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
 /// A topic with the schema of its messages, which are protobuf.
@@ -48,13 +49,13 @@ using FoxgloveRequest = std::variant<FoxgloveSubscribe, FoxgloveUnsubscribe>;
 [[nodiscard]] tl::expected<FoxgloveRequest, std::string> ParseFoxgloveRequest(std::string_view bytes,
                                                                               std::size_t channels);
 
-/// Makes the first message to a viewer. @param session  differs from run to run
+/// Makes the first message to a viewer. @param session  a text that differs from run to run
 [[nodiscard]] std::string FoxgloveServerInfo(const std::string& name, const std::string& session);
 /// Makes the message that lists the topics.
 [[nodiscard]] std::string FoxgloveAdvertise(std::span<const FoxgloveChannel> channels);
 /// Makes a message that tells a person why a viewer's message was refused.
 [[nodiscard]] std::string FoxgloveWarning(const std::string& text);
-/// Writes a topic's message for a subscription into `bytes`, whose old content is lost.
+/// Writes a topic's message for a subscription into `bytes`, replacing its old content.
 void FoxgloveMessageData(std::uint32_t subscription, rt::Nanoseconds stamp, std::string_view payload,
                          std::string& bytes);
 

@@ -118,7 +118,8 @@ class Viewer {
     return true;
   }
 
-  // Stores the cursors that have moved, except of subscriptions that ended or began anew meanwhile.
+  // Stores the cursors that SendNew has moved. Skips a subscription that has ended, or was replaced by a new
+  // one with the same id, while its messages were sent.
   void KeepCursors(const std::map<std::uint32_t, Subscription>& moved) {
     const std::lock_guard lock(mutex_);
     for (const auto& [id, subscription] : moved)
@@ -136,16 +137,16 @@ class Viewer {
   mg_connection* const connection_;
   const FoxgloveSource& source_;
   const std::string greeting_;  // the cell's name
-  std::string bytes_;           // scratch of the thread
+  std::string bytes_;           // buffer for one message; used by the thread only
   std::atomic<bool> closed_{false};
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::uint32_t, Subscription> subscriptions_;  // guarded by mutex_, as the following
-  std::uint64_t made_{0};                                // number of subscriptions so far
+  std::map<std::uint32_t, Subscription> subscriptions_;  // guarded by mutex_, as are the members below
+  std::uint64_t made_{0};                                // number of subscriptions made so far
   std::deque<std::string> warnings_;
   bool stop_{false};
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last member, because it uses the other members
 };
 
 // The server with its viewers. Threads of civetweb call the static handlers.
@@ -170,7 +171,7 @@ class ViewersServer final : public FoxgloveServer {
                                      .user = this});
     if (!started) return started.error();
     web_ = std::move(*started);
-    // civetweb keeps the pointer
+    // static, because civetweb keeps the pointer
     static mg_websocket_subprotocols names{
         .nb_subprotocols = static_cast<int>(std::size(kFoxgloveSubprotocols)),
         .subprotocols = const_cast<const char**>(kFoxgloveSubprotocols)};
@@ -252,7 +253,7 @@ class ViewersServer final : public FoxgloveServer {
     }
   }
 
-  // Removes a viewer that has gone.
+  // Removes a viewer that has disconnected.
   static void OnClosed(const mg_connection* connection, void* user) {
     ViewersServer& server = Of(user);
     std::shared_ptr<Viewer> viewer;
@@ -263,7 +264,7 @@ class ViewersServer final : public FoxgloveServer {
       viewer = std::move(found->second);
       server.viewers_.erase(found);
     }
-    viewer.reset();  // ends its thread while the connection still exists
+    viewer.reset();  // ends the viewer's thread while the connection still exists
     --server.open_;
   }
 

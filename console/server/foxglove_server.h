@@ -13,7 +13,7 @@
 
 namespace osteon::console {
 
-inline constexpr int kFoxglovePort = 8765;             ///< the port that viewers propose
+inline constexpr int kFoxglovePort = 8765;             ///< the port that viewers propose by default
 inline constexpr std::size_t kMaxFoxgloveViewers = 8;  ///< number of viewers served at the same time
 
 /// A message of a topic.
@@ -22,12 +22,13 @@ struct FoxgloveMessage {
   std::string bytes;
 };
 
-/// The progress of one subscription: numbers of the newest data that it got. Only the source uses it.
+/// The progress of one subscription: the numbers of the newest data that were sent for it. Only the source
+/// reads or changes it.
 struct FoxgloveCursor {
   bool begun{false};
   std::uint64_t epoch{0}, window{0}, events{0};
   std::size_t tool{0};
-  std::shared_ptr<SurfaceReader> bone{};  ///< made by the source that has a bone
+  std::shared_ptr<SurfaceReader> bone{};  ///< created by a source that has a bone; otherwise null
 };
 
 /// The source of the messages for viewers. Any number of threads may call it.
@@ -35,16 +36,18 @@ class FoxgloveSource {
  public:
   virtual ~FoxgloveSource() = default;
   [[nodiscard]] virtual const std::vector<FoxgloveChannel>& channels() const = 0;
-  /// Appends a channel's messages since the cursor, and moves the cursor on. The first call appends all that
-  /// a viewer needs to begin with. A value that changes all the time gives only its newest message.
+  /// Appends a channel's messages after the cursor, and advances the cursor. The first call appends all
+  /// messages that a new viewer needs. For a value that changes all the time, only the newest message is
+  /// appended.
   virtual void New(std::size_t channel, FoxgloveCursor& cursor, std::vector<FoxgloveMessage>& out) const = 0;
 };
 
 /// The address of a server for viewers, and the name that it gives them.
 struct FoxgloveParams {
-  std::string name;                  ///< of the cell, shown by the viewer
-  std::string address{"127.0.0.1"};  ///< any but a loopback address needs a token, which the server makes
-  int port{kFoxglovePort};           ///< 0: any free one
+  std::string name;  ///< name of the cell, which the viewer shows
+  /// for any but a loopback address, viewers need a token, which the server makes
+  std::string address{"127.0.0.1"};
+  int port{kFoxglovePort};  ///< 0: any free one
 };
 
 /// Shows a cell to Foxglove, Lichtblick and other viewers of the same protocol. It accepts only
@@ -53,7 +56,7 @@ struct FoxgloveParams {
 class FoxgloveServer {
  public:
   /// @param source  outlives the server
-  /// @returns the error names address and port, and what to do.
+  /// @returns the running server, or an error that names address and port, and what to do
   [[nodiscard]] static tl::expected<std::unique_ptr<FoxgloveServer>, std::string> Start(
       const FoxgloveParams& params, const FoxgloveSource& source);
   /// Closes every viewer and ends all threads.

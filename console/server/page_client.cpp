@@ -16,11 +16,11 @@
 namespace osteon::console {
 namespace {
 
-// Time between two checks of a client that does not read, whether it is to end.
+// Time after which a client that does not read checks again whether it must end.
 constexpr std::chrono::milliseconds kPollInterval{20};
 constexpr std::size_t kStampLength = 24;  // maximum number of characters of a stamp
 
-// The client over civetweb, whose thread calls OnData for each message.
+// A client that uses civetweb. civetweb's thread calls OnData for each message.
 class Client final : public PageClient {
  public:
   explicit Client(bool reads) : reads_(reads) {}
@@ -49,7 +49,7 @@ class Client final : public PageClient {
   }
 
  private:
-  // Counts a message, and blocks as long as the client is one that does not read.
+  // Counts a message. If the client shall not read, blocks until the client ends.
   static int OnData(mg_connection*, int bits, char* data, std::size_t size, void* user) {
     auto& client = *static_cast<Client*>(user);
     while (!client.reads_ && !client.ending_.load()) std::this_thread::sleep_for(kPollInterval);
@@ -60,7 +60,7 @@ class Client final : public PageClient {
     return 1;
   }
 
-  // Reads the newest tick's stamp, which is the last window's, from
+  // Reads the stamp of the newest tick, which is the first number of the last window, from
   // {"type":"live","windows":[[stamp, …], …, [stamp, …]],"status": …
   void OnLiveMessage(std::string_view message) {
     constexpr std::string_view kLive = R"({"type":"live")", kEnd = R"(]],"status")";

@@ -91,7 +91,7 @@ bool PageSender::SendSurface() {
   using Clock = std::chrono::steady_clock;
   using Milliseconds = std::chrono::duration<double, std::milli>;
   const auto before = Clock::now();
-  // time of the bone that this change shows, from which age_ms is counted
+  // Store the time of the bone's state that this change shows: age_ms is counted from there.
   if (part.begins && sources_.context.bone_age_s)
     surface_time_ = before - std::chrono::duration_cast<Clock::duration>(
                                  std::chrono::duration<double>(sources_.context.bone_age_s().value_or(0.0)));

@@ -30,19 +30,19 @@ struct PageSources {
   const std::string& hello;
   const LiveContext& context;
   const std::atomic<std::size_t>& pages;
-  /// Functions that make a message each, such as a playback's position. A page gets a message whenever it
-  /// differs from the last one that this function made.
+  /// Each function makes one message, such as a playback's position. A page gets the message whenever it
+  /// differs from the message of this function that the page got last.
   const std::vector<std::function<std::string()>>& notes;
   SharedLive& live;  ///< shared by all pages of the feed
 };
 
-/// Writes to one page. The functions return false if the page does not read, or has gone.
+/// Writes to one page. The functions return false if the page does not read, or has disconnected.
 class PageWriter {
  public:
   virtual ~PageWriter() = default;
   virtual bool WriteText(const std::string& text) = 0;
   virtual bool WriteBinary(const std::string& bytes) = 0;
-  virtual void Close() = 0;  ///< ends the connection; the page may open another
+  virtual void Close() = 0;  ///< ends the connection; the page may open a new one
 };
 
 /// Sends one page all new data, in a thread of its own, until the page no longer reads.
@@ -53,8 +53,8 @@ class PageSender {
   PageSender(const PageSender&) = delete;
   PageSender& operator=(const PageSender&) = delete;
 
-  /// Sends an answer to a request of the page, before all other data. At most kMaxAnswers answers wait; later
-  /// ones are dropped.
+  /// Sends an answer to a request of the page, before all other data. If kMaxAnswers answers are waiting, the
+  /// answer is dropped.
   void Answer(std::string text);
   /// Sends hello, the windows and events that are kept, and the whole surface again.
   void Resend() { resend_.store(true); }
@@ -63,7 +63,8 @@ class PageSender {
 
  private:
   void Run();
-  // Each sends what is new since its last call. @returns false if the page does not read, or has gone
+  // Each of these functions sends the data that are new since its last call. Each returns false if the page
+  // does not read, or has disconnected.
   bool SendNew();
   bool SendAnswers();
   bool SendRole();
@@ -75,7 +76,8 @@ class PageSender {
   PageWriter& writer_;
 
   std::atomic<bool> resend_{true};
-  std::uint64_t seen_windows_{0}, seen_events_{0};  // used by the thread only, as the members down to mutex_
+  // used only by the thread, as are all members down to mutex_
+  std::uint64_t seen_windows_{0}, seen_events_{0};
   SurfaceReader surface_;
   SurfaceBudget surface_budget_;
   std::chrono::steady_clock::time_point surface_time_{};  // time of the bone in the change that is being sent

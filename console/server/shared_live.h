@@ -8,8 +8,8 @@
 
 namespace osteon::console {
 
-/// Keeps the newest live message, so that it is made only once for all pages that have got the same windows
-/// so far. Any thread.
+/// Keeps the newest live message. Pages that need the same windows share it, so that it is made only once.
+/// Any thread.
 class SharedLive {
  public:
   /// The windows after number `from`, up to and including `to`, in one epoch of the feed.
@@ -18,7 +18,7 @@ class SharedLive {
     bool operator==(const Span&) const = default;
   };
 
-  /// Returns the message of these windows; makes it unless it is the one that is kept.
+  /// Returns the message of these windows. Makes the message unless it is the stored one.
   /// @param make  () → std::string, called without the lock
   template <class Make>
   [[nodiscard]] std::shared_ptr<const std::string> Get(const Span& span, const Make& make) {

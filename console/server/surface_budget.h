@@ -6,9 +6,9 @@
 
 namespace osteon::console {
 
-/// Number of bytes of the surface in one message to a page: as many as the page's connection takes in some
-/// milliseconds, so that the figures, which are sent between two such messages, are not late. On a fast
-/// connection the number grows, until a live change fits into one message.
+/// Number of bytes of the surface in one message to a page: as many as the page's connection transmits in
+/// some milliseconds. The figures are sent between two such messages and must not be late. On a fast
+/// connection the number grows until a change of the surface fits into one message.
 class SurfaceBudget {
  public:
   static constexpr std::size_t kMin_bytes = 32u << 10, kMax_bytes = 1u << 20;

@@ -15,8 +15,8 @@ class SurfaceFeed final : public surface::SurfaceSink {
 
   /// Begins a surface on a new grid. Pages get {"type": "surface", "origin_mm", "voxel_mm", "bricks"}.
   void Begin(const surface::BrickLayout& layout) override;
-  /// Begins the same with "difference_step_mm" in the message: each vertex's material is then a number of
-  /// such steps by which two bones differ; 64 is no difference.
+  /// Begins a surface that shows the difference of two bones. The message also has "difference_step_mm": the
+  /// material of each vertex is then the difference as a number of such steps, plus 64.
   void BeginDifference(const surface::BrickLayout& layout, float step_mm);
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 

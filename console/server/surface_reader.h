@@ -10,13 +10,17 @@
 
 namespace osteon::console {
 
-/// One reader's progress in a SurfaceStore: takes a change with all its bricks and hands it out in parts.
+/// One reader's progress in a SurfaceStore. Takes a change with all its bricks and returns it in parts.
 ///
 ///     SurfaceStore ──all that changed──▶ waiting bricks ──part──▶ part ──▶ … ──▶ whole; then the next change
 ///
-/// Bricks that change meanwhile are not added to the waiting bricks: together they are the next change. So
-/// every brick is sent, however often others change; all bricks of a change are of one time; and a reader
-/// holds the bytes of one surface at most. One thread.
+/// Bricks that change meanwhile are not added to the waiting bricks; they form the next change. Therefore:
+///
+/// - every brick is sent, however often other bricks change
+/// - all bricks of a change show the bone at the same time
+/// - a reader holds at most the bytes of one whole surface
+///
+/// For one thread.
 class SurfaceReader {
  public:
   struct Part {
@@ -30,7 +34,7 @@ class SurfaceReader {
   /// be larger
   [[nodiscard]] Part Next(const SurfaceStore& store, std::size_t max_bytes) {
     Part part;
-    if (store.layout_version() > seen_) waiting_.clear();  // bricks of a grid that is void
+    if (store.layout_version() > seen_) waiting_.clear();  // they belong to an older grid
     if (waiting_.empty()) {
       auto [layout, bricks] = store.Since(seen_);
       part.layout = std::move(layout);
@@ -42,7 +46,7 @@ class SurfaceReader {
     std::size_t end = next_ + 1, bytes = waiting_[next_]->size();
     while (end < waiting_.size() && bytes + waiting_[end]->size() <= max_bytes)
       bytes += waiting_[end++]->size();
-    part.bricks.reserve(bytes);  // at once: a live change has a quarter of a megabyte
+    part.bricks.reserve(bytes);  // one allocation, because a change may have a quarter of a megabyte
     while (next_ < end) part.bricks += *waiting_[next_++];
     part.ends = next_ == waiting_.size();
     if (part.ends) waiting_.clear();
@@ -58,7 +62,7 @@ class SurfaceReader {
  private:
   std::uint64_t seen_{0};  // the store's version of the change that is being handed out
   std::vector<SurfaceStore::Bytes> waiting_;
-  std::size_t next_{0};  // in waiting_
+  std::size_t next_{0};  // index in waiting_ of the next brick to return
 };
 
 }  // namespace osteon::console

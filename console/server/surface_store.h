@@ -20,7 +20,7 @@ class SurfaceStore {
  public:
   using Bytes = std::shared_ptr<const std::string>;
 
-  /// Begins again on another grid, without bricks. @param message  describes the grid to a page
+  /// Removes all bricks and begins a new grid. @param message  describes the grid to a page
   void Begin(const surface::BrickLayout& grid, std::string message) {
     auto shared = std::make_shared<const std::string>(std::move(message));
     const std::lock_guard lock(mutex_);
@@ -57,13 +57,13 @@ class SurfaceStore {
 
   /// The data that a reader of an older version lacks.
   struct Change {
-    Bytes layout;               ///< message of a new grid: all earlier bricks are void; null: the same grid
+    Bytes layout;  ///< message of a new grid, which replaces all earlier bricks; null: the same grid
     std::vector<Bytes> bricks;  ///< all bricks that changed, the one with the oldest change first
   };
 
-  /// Returns all that changed after version `seen`, and sets `seen` to the newest version. While another
-  /// thread holds the lock, it returns nothing and leaves `seen`: a reader never waits for a thread that a
-  /// busy machine does not run.
+  /// Returns all data that changed after version `seen`, and sets `seen` to the newest version. If another
+  /// thread holds the lock, it returns nothing and leaves `seen` unchanged, because a reader must not wait
+  /// for a thread that a busy machine does not run.
   [[nodiscard]] Change Since(std::uint64_t& seen) const {
     Change change;
     const std::unique_lock lock(mutex_, std::try_to_lock);
@@ -90,7 +90,7 @@ class SurfaceStore {
   mutable std::mutex mutex_;
   surface::BrickLayout grid_;
   Brick layout_;
-  std::map<std::uint64_t, Brick> bricks_;         // by the brick's number
+  std::map<std::uint64_t, Brick> bricks_;         // bricks by their numbers
   std::map<std::uint64_t, std::uint64_t> order_;  // numbers of the bricks by their versions
   std::uint64_t version_{0};
   std::atomic<std::uint64_t> layout_version_{0};

@@ -35,7 +35,7 @@ class ListeningServer final : public WebServer {
     knocking.join();
   }
 
-  // Tries the ports one after the other. @returns an error; empty: it listens
+  // Tries the ports one after the other. @returns an error; empty if the server listens
   std::string Listen() {
     mg_init_library(0);
     const int tries = params_.port == 0 ? 1 : params_.ports_tried;
@@ -55,8 +55,8 @@ class ListeningServer final : public WebServer {
   [[nodiscard]] std::string place() const override { return Place(params_.address, port_); }
 
  private:
-  // Connects to the server until it has ended: civetweb notices only at a connection, or after two seconds,
-  // that it is to end.
+  // Connects to the server again and again until the server has ended. civetweb notices a request to end only
+  // at the next connection, or after two seconds.
   void KnockUntilStopped() const {
     const std::string host =
         params_.address == "0.0.0.0" || params_.address == "::" ? "127.0.0.1" : params_.address;

@@ -12,14 +12,14 @@ struct mg_context;
 
 namespace osteon::console {
 
-/// Makes an empty text of the null pointer that civetweb gives for an absent text.
+/// The text, or an empty text for the null pointer that civetweb returns for an absent text.
 [[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
 /// What a web server serves, and at which address.
 struct WebServerParams {
   std::string name;               ///< in errors: "console"
   std::string option;             ///< in errors, the option that sets another address: "--console"
-  std::string address;            ///< to listen on
+  std::string address;            ///< address to listen on
   int port{0};                    ///< 0: any free one
   int ports_tried{1};             ///< number of ports that are tried, from `port` on
   int threads{8};                 ///< number of threads, each for one open connection
@@ -31,10 +31,10 @@ struct WebServerParams {
   void* user{nullptr};  ///< becomes mg_request_info::user_data
 };
 
-/// A civetweb server that ends at once when it is destroyed. Its threads have the lowest normal priority.
+/// A civetweb server whose destructor ends it without delay. Its threads have the lowest normal priority.
 class WebServer {
  public:
-  /// @returns the error names address and port, and what to do.
+  /// @returns the running server, or an error that names address and port, and what to do
   [[nodiscard]] static tl::expected<std::unique_ptr<WebServer>, std::string> Start(
       const WebServerParams& params);
   /// Closes every connection (their close handlers are called) and ends all threads.

@@ -9,7 +9,7 @@
 namespace osteon::console {
 namespace {
 
-constexpr double kPercentile = 0.99;  // of LiveWindow::compute_p99_us and wakeup_p99_us
+constexpr double kPercentile = 0.99;  // quantile in LiveWindow::compute_p99_us and wakeup_p99_us
 
 double ToMicroseconds(rt::Nanoseconds time) { return 1e-3 * static_cast<double>(time); }
 
@@ -45,7 +45,8 @@ void LiveFeed::Gather(const control::TickRecord& tick) {
   w.interlock_age_s.Add(interlock_age_s);
   compute_.Add(tick.compute_ns);
   wakeup_.Add(tick.wakeup_ns);
-  // note the time of each limit that acts now, and did not before in this window or in the previous one
+  // Store the time of each limit that acts now and has acted neither earlier in this window nor in the
+  // previous window.
   for (std::uint32_t begun = tick.limits & ~(w.limits | limits_before_); begun != 0; begun &= begun - 1)
     if (const auto limit = static_cast<std::size_t>(std::countr_zero(begun)); limit < safety::kLimitCount)
       w.limit_since[limit] = tick.stamp;
@@ -71,8 +72,9 @@ void LiveFeed::TakeEvent(const io::RecordedEvent& event) {
 
 void LiveFeed::TryPublish() {
   const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (lock) Publish();  // else a reader is copying: this window grows until the next tick
-}
+  // otherwise a reader is copying: the window is published in a later tick and contains more
+  if (lock) Publish();
+}  // ticks
 
 void LiveFeed::Flush() {
   const std::lock_guard lock(mutex_);
@@ -120,13 +122,13 @@ LiveWindow LiveFeed::Newest() const {
 }
 
 std::vector<LiveWindow> LiveFeed::Since(std::uint64_t& seen) const {
-  // number of the first window to return, where `newest` is the newest
+  // number of the first window to return, given the number of the newest window
   const auto first_of = [&](std::uint64_t newest) {
     return std::max(seen + 1, newest >= kept_ ? newest - kept_ + 1 : 1);
   };
   std::vector<LiveWindow> windows;
   const std::uint64_t newest = newest_;
-  // Nothing is new. After ShowInstead a reader may have seen more than there is.
+  // Nothing is new. After ShowInstead, `seen` may exceed the number of the newest window.
   if (first_of(newest) > newest) {
     seen = std::min(seen, newest);
     return windows;
@@ -146,7 +148,7 @@ std::vector<io::RecordedEvent> LiveFeed::EventsSince(std::uint64_t& seen) const 
   const std::lock_guard lock(mutex_);
   // number of events that are no longer kept
   const std::uint64_t gone = events_so_far_ - events_.size();
-  // after ShowInstead a reader may have seen more than there is
+  // After ShowInstead, `seen` may exceed the number of events.
   const auto first =
       static_cast<std::ptrdiff_t>(std::min(std::max(seen, gone) - gone, std::uint64_t{events_.size()}));
   std::vector<io::RecordedEvent> events(events_.begin() + first, events_.end());

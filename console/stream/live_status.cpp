@@ -36,7 +36,7 @@ void AddPermits(const control::TickRecord& tick, LiveStatus& status) {
   if (tick.cell_state >= safety::kCellStates) return;
   const auto state = static_cast<safety::CellState>(tick.cell_state);
   status.moves = safety::IsMotion(state);
-  // while the arm sends nothing, the conditions of motion are not evaluated
+  // in the state off the arm sends nothing, so the conditions of motion are not evaluated
   status.permits_known = status.moves || state == safety::CellState::kPaused ||
                          (safety::Waits(state) && state != safety::CellState::kOff);
   const safety::MotionPermits permits(status.moves ? safety::MotionPermits::kAll : tick.permits);
@@ -138,7 +138,8 @@ nlohmann::json LatencyJson(const LatencyStatus& latency) {
           {"parts", parts}};
 }
 
-// Rendered time, for a line of text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s  0: no end
+// Rendered time as text: "12.0 of 60.0 s, paused 3.0 s". @param wanted_s  time after which the run ends; 0:
+// no end
 std::string TimeText(const LiveStatus& s, double wanted_s) {
   std::string text = wanted_s > 0.0
                          ? fmt::format("{:.1f} of {:.1f} s", std::min(s.rendered_s, wanted_s), wanted_s)
@@ -185,7 +186,7 @@ LiveStatus StatusOf(const LiveWindow& w, const LiveContext& context) {
 
 std::string StatusLine(const LiveStatus& s, double wanted_s, std::size_t columns) {
   if (!s.known) return "waits for the first message";
-  // the most needed parts first: those that do not fit on a narrow terminal are left out
+  // The most important parts come first. A part that does not fit on a narrow terminal is left out.
   const std::string limit = s.limits.empty() ? "" : fmt::format("{}", fmt::join(s.limits, ", "));
   std::vector<std::string> parts{s.state, TimeText(s, wanted_s), fmt::format("{:5.1f} N", s.force_N),
                                  fmt::format("depth {:5.2f} mm", s.depth_mm)};

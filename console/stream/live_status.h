@@ -47,7 +47,8 @@ struct LiveContext {
   std::function<double(const control::TickRecord&)> depth_left_m{};
   /// The run's note on a fault (a bit of safety::Fault), callable from any thread; empty: nothing.
   std::function<FaultNote(std::uint32_t fault)> fault{};
-  /// Space left where the recording is written, callable from any thread [bytes]; empty: not known.
+  /// Free space on the disk to which the recording is written [bytes], callable from any thread; empty: not
+  /// known.
   std::function<std::optional<std::uintmax_t>()> disk_left_B{};
   /// Latency of the run so far, callable from any thread; empty: not known.
   std::function<LatencyStatus()> latency{};
@@ -69,13 +70,14 @@ struct FaultStatus {
   FaultNote note{};
 };
 
-/// The cell's status in words and figures, for a line of text, `osteon status` and the console alike.
+/// The cell's status in words and figures. The status line, `osteon status` and the console all show it.
 struct LiveStatus {
   bool known{false};               ///< false: nothing was recorded yet
   int state_number{-1};            ///< safety::CellState; -1: unknown
   std::string state, does, leave;  ///< name, action and ways out of the state (safety::Describe)
   bool can_pause{false}, can_resume{false};
-  bool can_recover{false};  ///< at rest with faults that all allow a recovery, and the run does not end
+  /// the arm is at rest, all latched faults allow a recovery, and no stop is requested
+  bool can_recover{false};
   /// The conditions of motion: as they are now, or, while the arm moves, as they were when motion began; from
   /// then on a condition that ends is a fault.
   std::vector<PermitStatus> permits;
@@ -87,17 +89,19 @@ struct LiveStatus {
   std::vector<FaultStatus> faults;
   double force_N{0.0}, force_limit_N{0.0}, hand_N{0.0};
   std::string force_limit_from;  ///< as in LiveContext
-  /// Bound of the force in the last tick: the force itself, at most force_limit_N, if a limit reduced it in
-  /// this tick; else force_limit_N.
+  /// Bound of the force in the last tick. If a limit reduced the force in this tick, the bound is the force
+  /// itself, at most force_limit_N; otherwise it is force_limit_N.
   double force_limit_now_N{0.0};
   int force_limit_number{-1};  ///< safety::Limit that reduced the force; -1: none did
   double torque_Nm{0.0}, torque_limit_Nm{0.0};
   double depth_mm{0.0}, deepest_mm{0.0};
-  double depth_left_mm{std::numeric_limits<double>::infinity()};  ///< to the depth limit; infinite: none
-  std::optional<double> feed_mm_per_s{};  ///< of the commanded tool along the site's axis, positive inward
+  double depth_left_mm{std::numeric_limits<double>::infinity()};  ///< distance left to the depth limit;
+                                                                  ///< infinite: the cell has no depth limit
+  /// commanded speed of the tool along the site's axis, positive into the bone
+  std::optional<double> feed_mm_per_s{};
   double speed_mm_per_s{0.0}, spindle_rpm{0.0}, spindle_torque_Nm{0.0};
   double removed_mm3{0.0};
-  bool gives_way{false};                                  ///< tool, tissue or mount may give way in this cell
+  bool gives_way{false};                                  ///< tool, tissue or mount is compliant in this cell
   double bend_mm{0.0}, layer_mm{0.0}, mount_mm{0.0};      ///< displacement of tool, surface layer, mount
   std::optional<double> model_age_ms{}, sensor_age_ms{};  ///< empty: none has come yet
   double frame_us{0.0};                                   ///< 0: no frame yet
@@ -105,7 +109,8 @@ struct LiveStatus {
   double compute_p99_us{0.0}, wakeup_p99_us{0.0};       ///< as in LiveWindow
   std::uint32_t arm_messages_lost{0}, answers_lost{0};  ///< so far, between the arm and the loop
   std::optional<std::uintmax_t> disk_left_B{};          ///< as in LiveContext
-  std::optional<double> bone_age_ms{};                  ///< of the carved bone on the pages
+  /// age of the carved bone that the pages show (LiveContext::bone_age_s)
+  std::optional<double> bone_age_ms{};
   double rendered_s{0.0}, paused_s{0.0};
   LatencyStatus latency{};
 };

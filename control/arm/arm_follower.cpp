@@ -26,18 +26,18 @@ namespace {
 
 using safety::Fault;
 
-constexpr double kElbowRate_per_s = 40.0;  // rate of the arm angle per rad of error, up to its bound
-constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted angle counts as reached
+constexpr double kElbowRate_per_s = 40.0;  // speed of the arm angle per rad of error
+constexpr double kElbowThere_rad = 1e-6;   // error below which the wanted arm angle is reached
 constexpr double kMoving_m_per_s = 0.02,
-                 kMoving_rad_per_s = 0.1;  // tool speed from which the elbow has its full speed
-constexpr double kStands = 1e-6;           // a smaller share of that speed counts as rounding
-constexpr int kBrakingHalvings = 10;       // bisections when motion is added to the braking
-constexpr int kZoneTries = 4;              // trial shares of a step: after the first only curvature is left
+                 kMoving_rad_per_s = 0.1;  // tool speeds from which the elbow may move at full speed
+constexpr double kStands = 1e-6;           // a smaller share of these tool speeds is a rounding error
+constexpr int kBrakingHalvings = 10;       // number of bisections in BrakeBeforeBounds
+constexpr int kZoneTries = 4;              // number of trial shares of a step in ZoneScale
 constexpr double kZoneSlack = 0.999;  // factor on a trial share, so that the next trial stays in the zones
 
 double WrapAngle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
-// Data of an LBR that a six-axis arm lacks: an elbow that can move while the tool stays, and known torques.
+// Data that only an LBR has: an elbow that can move while the tool stands still, and known joint torques.
 struct Redundancy {
   Redundancy(const ServoParams& params, const Pose& X_WB, const Pose& X_FT, double wanted_arm_angle_rad)
       : arm_angle_rad(wanted_arm_angle_rad) {
@@ -56,9 +56,9 @@ struct Redundancy {
 
   double arm_angle_rad;  // wanted arm angle
   std::optional<kinematics::SerialChain<7>> body;
-  std::optional<safety::JointTorqueLimit<7>> torques;  // if there is a body
-  kinematics::LoadTarget<7> load;                      // its torque limits are those of the drives
-  bool arrived{false};                                 // the wanted arm angle has been reached once
+  std::optional<safety::JointTorqueLimit<7>> torques;  // present if `body` is
+  kinematics::LoadTarget<7> load;  // load that the arm shall be able to hold, with the drives' torque limits
+  bool arrived{false};             // the wanted arm angle has been reached once
 };
 struct NoRedundancy {};
 
@@ -181,12 +181,13 @@ class JointFollower final : public ArmFollower {
 
  private:
   using ZonePoint = safety::ZonePoint;
-  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};  // by joints
+  // also limited by joints
+  static constexpr std::array<ZonePoint, 2> kCarried{ZonePoint::kFlange, ZonePoint::kElbow};
   static constexpr std::array<ZonePoint, 3> kAll{ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow};
 
   static Joints ToJoints(const JointArray& q) { return Eigen::Map<const Joints>(q.data()); }
   [[nodiscard]] Pose PoseOf(const Joints& q) const OSTEON_RT { return X_WB_ * arm_.FlangePose(q) * X_FT_; }
-  // Jacobian of the apex at q_, cached: several callers use it in a tick.
+  // Jacobian of the apex at q_. Cached, because several functions use it in a tick.
   [[nodiscard]] const kinematics::JacobianN<kN>& Jacobian() const OSTEON_RT {
     if (jacobian_q_ != q_) {
       jacobian_ = arm_.JacobianAt(q_, X_FT_.translation());
@@ -194,7 +195,7 @@ class JointFollower final : public ArmFollower {
     }
     return jacobian_;
   }
-  // Torques that hold the arm at q_, cached like the Jacobian. @pre the arm's masses are known
+  // Torques that balance the arm's weight at q_, cached like the Jacobian. @pre the arm's masses are known
   [[nodiscard]] const Joints& Gravity() const OSTEON_RT {
     if constexpr (kRedundant) {
       if (gravity_q_ != q_) {
@@ -212,10 +213,10 @@ class JointFollower final : public ArmFollower {
   // A prepared tool.
   struct Tool {
     Pose X_FT{Pose::Identity()};
-    std::optional<kinematics::SerialChain<7>> body;  // absent: the payload stays
+    std::optional<kinematics::SerialChain<7>> body;  // absent: the body stays the same
   };
 
-  // Positions in W of the points with zones, by ZonePoint, and the flange pose that they come from.
+  // Positions in W of the points that have zones, by ZonePoint, and the flange pose for the same joints.
   struct Points {
     std::array<Vector3, 3> p_W{};
     Pose X_BF{Pose::Identity()};
@@ -244,15 +245,15 @@ class JointFollower final : public ArmFollower {
 
   Joints q_{Joints::Zero()};
   static inline const Joints kNowhere = Joints::Constant(std::numeric_limits<double>::quiet_NaN());
-  // of the last tick
+  // the members below are results of the last tick
   Joints q_step_{Joints::Zero()};
-  double motion_scale_{1.0};  // share of the requested motion that the limits left
+  double motion_scale_{1.0};  // share of the requested motion that the limits allowed
   Points points_{};           // points at the joint positions points_q_
   Joints points_q_{kNowhere};
   mutable kinematics::JacobianN<kN> jacobian_{kinematics::JacobianN<kN>::Zero()};
   mutable Joints jacobian_q_{kNowhere};
   mutable Joints gravity_Nm_{Joints::Zero()}, gravity_q_{kNowhere};
-  double moving_{0.0};  // 0 … 1: how much the tool moved
+  double moving_{0.0};  // 0 … 1: tool speed relative to kMoving_*
   double sigma_min_m_{1.0};
   Joints sigma_gradient_m_{Joints::Zero()}, null_direction_{Joints::Zero()};
   Eigen::Matrix<double, 6, 6> directions_{Eigen::Matrix<double, 6, 6>::Identity()};  // MotionOutput::U
@@ -278,7 +279,7 @@ MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT 
     return result;
   }
   if (moves.limit != kinematics::MotionLimit::kNone) BrakeBeforeBounds(wanted, moves);
-  // an independent check of the limited motion
+  // check the limited motion independently of the inverse kinematics
   const auto guard = guard_.Limit(q_, dt_s * moves.qd, dt_s);
   if (guard.jump || guard.violated) {
     result.fault = Fault::kJointLimit;
@@ -301,7 +302,7 @@ MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT 
     elbow_scale = ElbowScale(points_, to, request.max_elbow_speed_m_per_s);
     if (elbow_scale < 1.0) to = PointsOf(q_ + elbow_scale * guard.step);
     zone_scale = ZoneScale(q_, elbow_scale * guard.step, points_, to, kCarried);
-    if (elbow_scale == 1.0 && zone_scale == 1.0) {  // the next tick begins from these points
+    if (elbow_scale == 1.0 && zone_scale == 1.0) {  // the next tick begins at `to`
       points_ = to;
       points_q_ = q_ + guard.step;
     }
@@ -318,11 +319,11 @@ MotionResult JointFollower<Arm>::Follow(const MotionRequest& request) OSTEON_RT 
   return result;
 }
 
-// Brakes before the apex's bounds when the joints' accelerations interfere. The requested twist brakes for
-// the bounds, but when the acceleration limits cut a change they cut its braking part as well: a hand that
-// pushes hard along a bound would take the arm over it. So the braking comes first: the previous motion,
-// braked as the bounds require, plus as much of the requested motion as they allow. Both keep to the
-// accelerations, as long as the braking alone does.
+// Makes the apex brake before a bound despite the joints' acceleration limits. The requested twist brakes,
+// but these limits reduce every change of velocity, also its braking part: a hand that pushes hard along a
+// bound would move the arm beyond it. Therefore the previous motion is first braked as the bounds require.
+// Then as much of the requested motion is added as they allow. If the braking keeps the acceleration limits,
+// so does the sum.
 template <class Arm>
 void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wanted,
                                            kinematics::MotionOutput<kN>& moves) const OSTEON_RT {
@@ -338,7 +339,7 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
   braking.qd_null = wanted.qd_before;
   braking.ignore_acceleration = true;
   kinematics::MotionOutput<kN> braked = motion_.Step(braking);
-  // Moves `motion` toward `allowed` until it is allowed too: bisection over the share of the difference.
+  // Moves `motion` toward `allowed` until the bounds allow it: bisection over the share of their difference.
   const auto pull_back = [&](const kinematics::MotionOutput<kN>& allowed,
                              kinematics::MotionOutput<kN>& motion) {
     double share = 0.0, upper = 1.0;
@@ -351,7 +352,7 @@ void JointFollower<Arm>::BrakeBeforeBounds(const kinematics::MotionInput<kN>& wa
                    .w = allowed.V_BT.w + share * (motion.V_BT.w - allowed.V_BT.w)};
   };
   if (!allows(braked.V_BT.v))
-    pull_back({}, braked);  // near a singular posture: slower, along the braking joint motion
+    pull_back({}, braked);  // near a singular posture the braked motion may be too fast: scale it down
   pull_back(braked, moves);
 }
 
@@ -372,8 +373,8 @@ double JointFollower<Arm>::ElbowScale(const Points& from, const Points& to,
   return distance_m > max_m ? max_m / distance_m : 1.0;
 }
 
-// Share of a joint step that keeps to the zones. Each trial is evaluated, as the points' paths are curved. A
-// step of zero is always allowed.
+// Share of a joint step with which the points stay in their zones. The points' paths are curved, so each
+// trial share is checked at the positions that it leads to. A step of zero is always allowed.
 template <class Arm>
 double JointFollower<Arm>::ZoneScale(const Joints& q, const Joints& step, const Points& from,
                                      const Points& to, std::span<const ZonePoint> points) const OSTEON_RT {
@@ -392,18 +393,18 @@ double JointFollower<Arm>::ZoneScale(const Joints& q, const Joints& step, const 
   return 0.0;
 }
 
-// Preferred joint velocities for the elbow's sake; only their null-space part has an effect.
+// Preferred joint velocities, by which the elbow is guided. Only their null-space part has an effect.
 template <class Arm>
 typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
     [[maybe_unused]] const MotionRequest& request) OSTEON_RT {
   Joints qd = Joints::Zero();
   if constexpr (kRedundant) {
     const double dt_s = params_.period_s;
-    // The twist that the limits will leave, estimated from the previous tick. With the requested twist
-    // instead, an elbow held for a tool that cannot move would itself move.
+    // The part of the requested twist that the limits will probably allow, estimated from the previous tick.
+    // With the whole twist, the elbow would compensate a tool motion that does not take place.
     const Twist V_likely_WT = Scaled(request.V_WT, motion_scale_);
 
-    // the arm angle is held, and turned toward the wanted one
+    // The tool's motion keeps the arm angle; in addition, the arm angle turns toward the wanted one.
     const double arm_angle_rad = arm_.ArmAngle(q_);
     const double error_rad = WrapAngle(elbow_.arm_angle_rad - arm_angle_rad);
     elbow_.arrived |= std::abs(error_rad) < kElbowThere_rad;
@@ -417,13 +418,13 @@ typename Arm::Joints JointFollower<Arm>::NullSpaceVelocity(
       load = kinematics::LoadGradientMotion<7>(params_.posture, *elbow_.body, elbow_.load,
                                                {.q = q_, .n = null_direction_, .held = held_load});
     }
-    // an arm angle at which the arm cannot hold the load is not worth holding
+    // the turn toward the wanted arm angle fades out where the arm could not hold the load
     const double load_factor = 1.0 - load.depth * load.depth;
     const double turn_rad_per_s =
         load_factor * turn_share * std::clamp(kElbowRate_per_s * error_rad, -max_rate, max_rate);
     Joints q_next;
     if (turn_rad_per_s == 0.0 && V_likely_WT.v.isZero(0.0) && V_likely_WT.w.isZero(0.0))
-      return qd;  // avoids a motion by rounding
+      return qd;  // without this, rounding errors would move the joints
     if (arm_.Inverse(X_BW_ * IntegratePose(X_WT_, V_likely_WT, dt_s) * X_TF_,
                      arm_angle_rad + dt_s * turn_rad_per_s, q_, q_next) &&
         (q_next - q_).cwiseAbs().maxCoeff() < params_.joints.jump_rad)
@@ -443,7 +444,7 @@ bool JointFollower<Arm>::BrakeJoints() OSTEON_RT {
   --stop_ticks_;
   q_step_ *= static_cast<double>(stop_ticks_) / (stop_ticks_ + 1);
   q_step_ = guard_.Limit(q_, q_step_, params_.period_s).step;
-  // braking to rest takes time, and a bound may be nearer than that
+  // a bound may be nearer than the braking distance
   q_step_ *= ZoneScale(q_, q_step_, PointsOf(q_), PointsOf(q_ + q_step_), kAll);
   q_ += q_step_;
   X_WT_ = PoseOf(q_);

@@ -21,9 +21,9 @@ namespace osteon::control {
 /// Motion of the tool that is requested in a tick.
 struct MotionRequest {
   Twist V_WT;  ///< requested velocity of the tool at To, in W
-  /// Scales the speed at which the arm angle turns toward the wanted one, 0 … 1; 0 holds the elbow. It has
-  /// an effect until the wanted angle has been reached once; from then on the elbow moves only while the tool
-  /// does.
+  /// Factor 0 … 1 on the speed at which the arm angle turns toward the wanted one; 0 holds the elbow. It has
+  /// an effect until the wanted angle has been reached once. After that the elbow moves only while the tool
+  /// moves.
   double elbow_scale{0.0};
   double max_elbow_speed_m_per_s{std::numeric_limits<double>::infinity()};
   bool elbow_moves{false};  ///< false: the arm angle is held while the tool moves
@@ -35,7 +35,7 @@ struct MotionResult {
   bool limited{false};      ///< joint limits, reach or a singular posture reduced the motion
   bool elbow_acted{false};  ///< the elbow's speed limit reduced the motion
   bool zone_acted{false};   ///< a zone of flange or elbow reduced the motion
-  /// kInverseKinematics or kJointLimit if the joints could not follow; nothing has moved then.
+  /// kInverseKinematics or kJointLimit if the joints could not follow. In this case nothing has moved.
   safety::Fault fault{safety::Fault::kNone};
 };
 
@@ -47,15 +47,15 @@ struct ZoneCheck {
 
 /// Result of one tick of the path to the start.
 struct StartStep {
-  /// kJointLimit or kWorkspace if the path asks for an inadmissible command; nothing has moved then.
+  /// kJointLimit or kWorkspace if the path led to an inadmissible command. In this case nothing has moved.
   safety::Fault refused{safety::Fault::kNone};
   bool at_start{false};
   bool paused{false};  ///< the path is paused, and the arm has come to rest on it
 };
 
 /// The arm's joints under the servo loop: their commanded positions, and how they follow the tool. The
-/// commanded pose is always the pose of the commanded joints, so the two cannot drift apart. Joint arrays
-/// have seven slots; a six-axis arm leaves the last at 0.
+/// commanded pose is always computed from the commanded joints, so that pose and joints cannot drift apart.
+/// Joint arrays have seven slots; a six-axis arm leaves the last at 0.
 class ArmFollower {
  public:
   virtual ~ArmFollower() = default;
@@ -66,11 +66,11 @@ class ArmFollower {
   [[nodiscard]] virtual JointArray q() const OSTEON_RT = 0;
   [[nodiscard]] const Pose& X_WT() const OSTEON_RT { return X_WT_; }
 
-  /// Sets the table of tools that SelectTool chooses from. Call before the run. The tool in use stays.
+  /// Sets the table of tools for SelectTool. Call before the run. The tool in use does not change.
   /// @throws std::invalid_argument naming what is wrong with an entry.
   virtual void SetTools(std::span<const LoopTool> tools) = 0;
-  /// Changes to the tool of this table entry: the joints stay, bit for bit, and X_WT() becomes the pose of
-  /// the new tool.
+  /// Selects a tool of the table. The commanded joints stay unchanged; X_WT() becomes the pose of the new
+  /// tool.
   /// @pre index < the table's size
   virtual void SelectTool(std::size_t index) OSTEON_RT = 0;
 
@@ -78,36 +78,38 @@ class ArmFollower {
   virtual void ResetTo(const JointArray& q) OSTEON_RT = 0;
   /// Sets the joint velocities to zero.
   virtual void StopJoints() OSTEON_RT = 0;
-  /// To be called before the first Follow and after each pause of following.
+  /// Call before the first Follow, and before Follow is called again after a pause.
   virtual void StartFollowing() OSTEON_RT = 0;
 
-  /// Moves the joints one tick along a twist (kinematics::DifferentialInverse), using the redundant joint's
-  /// preferences if there is one.
+  /// Moves the joints for one tick along a twist (kinematics::DifferentialInverse). The redundant joint of an
+  /// LBR follows its posture preferences.
   [[nodiscard]] virtual MotionResult Follow(const MotionRequest& request) OSTEON_RT = 0;
 
-  /// Moves the commanded joints of a compliant arm one tick toward the measured ones, by a share of the
-  /// difference, within the joints' limits.
+  /// For an arm in impedance control: moves the commanded joints for one tick toward the measured ones, by a
+  /// share of their difference and within the joints' limits.
   /// @returns kNone, or kJointLimit with nothing moved
   [[nodiscard]] virtual safety::Fault FollowMeasured(const JointArray& q_meas, double share) OSTEON_RT = 0;
-  /// Joint torques for a wrench on T at To, in W: J^T F at these joints, scaled to what they can hold.
+  /// Joint torques for a wrench on T at To, in W: J^T F at these joint positions, scaled down to what the
+  /// joints can hold.
   [[nodiscard]] virtual JointArray Torques(const JointArray& q, const Wrench& F_T_W) const OSTEON_RT = 0;
 
-  /// Whether the external torques on the joints, by the arm's estimate [N·m], will exceed what the joints can
-  /// hold within a message (safety::JointTorqueLimit). Call once per message; false if the arm's torques are
-  /// unknown.
+  /// Whether the external torques on the joints, as the arm estimates them [N·m], will exceed what the joints
+  /// can hold before the next message arrives (safety::JointTorqueLimit). Call once per message. False if the
+  /// arm's torque limits are unknown.
   [[nodiscard]] virtual bool PredictOverload(const JointArray& tau_external_Nm) OSTEON_RT = 0;
 
-  /// One tick of a stop in which the joints' own last motion is scaled down within ServoParams::joint_stop_s.
-  /// Used where the tool's braking path has no joint solution. Returns true once the joints are at rest.
+  /// One tick of a stop along the joints' last motion, which is scaled to zero within
+  /// ServoParams::joint_stop_s. Used if the joints cannot follow the tool's braking path. Returns true once
+  /// the joints are at rest.
   [[nodiscard]] virtual bool BrakeJoints() OSTEON_RT = 0;
   /// Whether a stop by BrakeJoints is under way.
   [[nodiscard]] virtual bool braking_joints() const OSTEON_RT = 0;
 
-  /// Checks the zones of flange and elbow of a compliant arm between two ticks.
+  /// Checks the zones of flange and elbow for a motion of an arm in impedance control between two ticks.
   [[nodiscard]] virtual ZoneCheck CheckZones(const JointArray& q,
                                              const JointArray& q_next) const OSTEON_RT = 0;
 
-  /// Loads the follower's data into the processor's cache, see ServoLoop::Prefetch.
+  /// Loads the follower's data into the processor's cache (ServoLoop::Prefetch).
   virtual void Prefetch() const OSTEON_RT = 0;
 
   /// Whether the arm is at ServoParams::start; true as well if no start is set.
@@ -118,8 +120,8 @@ class ArmFollower {
   /// Advances the path to the start by one tick. If motion is not permitted, the path is paused.
   [[nodiscard]] virtual StartStep StepToStart(bool permitted) OSTEON_RT = 0;
 
-  /// Limits a wrench by the limiter and, if the arm's masses and torques are known, to what it can hold.
-  /// The posture is the commanded one, because the arm will be there when the wrench arrives.
+  /// Limits a wrench by the limiter and, if the arm's masses and torques are known, to what the arm can hold.
+  /// The check uses the commanded posture, which the arm will have reached when the wrench takes effect.
   [[nodiscard]] virtual safety::LimitedWrench Limit(const safety::WrenchLimiter& limiter,
                                                     const Wrench& F_T_W) const OSTEON_RT = 0;
 
@@ -131,8 +133,8 @@ class ArmFollower {
 [[nodiscard]] safety::WorkspaceParams WorkspaceOf(const ServoParams& params);
 
 /// Parameters of the differential inverse kinematics. Rotations are weighted against translations by the
-/// virtual tool's radius of gyration. When a singular posture blocks a direction, the twist then changes as
-/// the velocity of a free body of that mass and inertia would if a smooth wall stopped it.
+/// virtual tool's radius of gyration. With this weight, a singular posture that blocks a direction changes
+/// the twist as a smooth wall changes the velocity of a free body with the virtual tool's mass and inertia.
 /// @tparam N number of joints, 6 or 7
 template <int N>
 [[nodiscard]] kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const ServoParams& params);

@@ -9,8 +9,8 @@
 namespace osteon::control {
 namespace {
 
-// Longest time between two messages that counts: it limits the distance that is allowed after a jump of the
-// clock.
+// A longer time between two messages is counted as this. Otherwise a jump of the clock would allow any
+// distance.
 constexpr double kMaxBetween_s = 0.1;
 
 void Require(bool accepted, const char* name, double found, const char* range) {

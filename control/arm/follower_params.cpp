@@ -14,7 +14,8 @@ kinematics::DifferentialInverseParams<N> DifferentialInverseParamsOf(const Servo
   motion.position_margin_rad = params.joints.position_margin_rad;
   motion.speed_share = params.joints.speed_share;
   motion.acceleration_share = params.joint_acceleration_share;
-  // radius of gyration of the virtual tool: length at which its rotation counts as translation
+  // The virtual tool's radius of gyration: the inverse kinematics weights 1 rad of rotation like this length
+  // of translation.
   motion.turning_length_m =
       std::sqrt(params.admittance.inertia_kg_m2.mean() / params.admittance.mass_kg.mean());
   return motion;

@@ -9,9 +9,9 @@
 namespace osteon::control {
 
 /// Counts the periods between two of the arm's messages: one, and one more for each message between them that
-/// was lost in transit or overtaken before it was read. It uses counters instead of clocks, so that jitter
-/// makes no motion faster or slower. A link's own sequence number (IPOC of RSI) may step by more than one and
-/// cannot be used.
+/// was lost in transit or overtaken before it was read. It uses the link's counters instead of a clock, so
+/// that jitter does not change the result. It does not use the messages' sequence number, because that number
+/// (IPOC of RSI) may increase by more than one per message.
 class MessageGap {
  public:
   /// Call once per message. @returns periods since the message before, >= 1; 1 for the first
@@ -25,7 +25,7 @@ class MessageGap {
   void Reset() OSTEON_RT { known_ = false; }
 
  private:
-  // Increase of a counter; a counter falls when a message that counted as lost comes late.
+  // Increase of a counter, at least 0. A counter falls if a message that was counted as lost arrives late.
   static double Increase(std::uint32_t now, std::uint32_t before) OSTEON_RT {
     return std::max(0.0, static_cast<double>(static_cast<std::int32_t>(now - before)));
   }

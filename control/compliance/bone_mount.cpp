@@ -5,24 +5,24 @@
 namespace osteon::control {
 namespace {
 
-// Translation, then rotation, as one vector.
+// Joins translation and rotation into one vector.
 Vector6 Joined(const Vector3& linear, const Vector3& angular) OSTEON_RT {
   Vector6 joined;
   joined << linear, angular;
   return joined;
 }
 
-// Mass [kg] along each axis, then inertia [kg m²] about it.
+// Mass [kg] along each axis, then inertia [kg m²] about each axis.
 Vector6 MassOf(const BoneMountParams& p) OSTEON_RT {
   return Joined(Vector3::Constant(p.mass_kg), p.inertia_kg_m2);
 }
 
-// Stiffness [N/m] along each axis, then about it [N·m/rad].
+// Stiffness along each axis [N/m], then about each axis [N·m/rad].
 Vector6 StiffnessOf(const BoneMountParams& p) OSTEON_RT {
   return Joined(p.stiffness_N_per_m, p.stiffness_Nm_per_rad);
 }
 
-// Position of Mo in W, displaced by springs and pads.
+// Present position of Mo in W: at rest, plus the displacements of springs and pads.
 Vector3 PlaceOf(const BoneMountParams& p, const BoneMountState& s) OSTEON_RT {
   return p.p_WMo_m + s.d.head<3>() + s.creep_m;
 }

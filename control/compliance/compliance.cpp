@@ -10,7 +10,7 @@
 namespace osteon::control {
 namespace {
 
-// Force, then torque, as one vector.
+// Joins force and torque into one vector.
 Vector6 Joined(const Wrench& F) OSTEON_RT {
   Vector6 joined;
   joined << F.f, F.t;
@@ -36,7 +36,7 @@ void Validate(const ComplianceParams& params) {
 double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT {
   double series = 0.0;
   if (params.layer && force_N > 0.0) {
-    double kappa = 0.0;  // of the softest material that has a layer
+    double kappa = 0.0;  // stiffness of the softest material that has a layer
     for (const double each : params.layer->kappa_N_per_m3)
       if (each > 0.0) kappa = kappa > 0.0 ? std::min(kappa, each) : each;
     series += LayerIndentation(*params.layer, {.kappa_N_per_m3 = kappa, .share = 1.0}, force_N) / force_N;
@@ -96,7 +96,7 @@ void Compliance::Step(const Wrench& F_E_M, const simulation::ContactModel& model
   const Matrix3 R_WM = X_WM().linear();
   const Wrench F_E_W{.f = R_WM * F_E_M.f, .t = R_WM * F_E_M.t};
   const Vector3 p_WE = X_WT * Vector3(e_.head<3>());
-  // each comparison is negated so that NaN counts as beyond the limit
+  // The comparisons below are negated, so that NaN is beyond the limit.
   beyond_limit_ = false;
   if (params_.layer) {
     const Vector3 before_m = q_m_;

@@ -17,7 +17,7 @@ struct ComplianceParams {
   std::optional<SurfaceLayerParams> layer{};
   std::optional<ToolLinkParams> tool{};
   std::optional<BoneMountParams> mount{};
-  double noticed_m{0.1e-3};  ///< a larger displacement is reported as an acting limit; > 0
+  double noticed_m{0.1e-3};  ///< a larger displacement is reported as the acting limit kDeflection; > 0
 
   [[nodiscard]] bool any() const OSTEON_RT { return layer || tool || mount; }
 };
@@ -26,19 +26,19 @@ struct ComplianceParams {
 void Validate(const ComplianceParams& params);
 
 /// Largest compliance in series with the coupling's spring [m/N], at a force. It bounds the energy that all
-/// springs together give back (ForceLimit_N). Counts the softest layer at its first touch, and the softest
-/// direction of tool and mount.
+/// springs together can give back (ForceLimit_N). It is the sum of three compliances: of the softest
+/// material's layer at a first touch, of the tool and of the mount, each in its softest direction.
 [[nodiscard]] double SeriesCompliance(const ComplianceParams& params, double force_N) OSTEON_RT;
 
-/// The compliant parts between the rigid tool T and the resting world W: the layer and the mount move the
-/// world of the bone, M; the tool's bending moves its head, E. The cutting engine and the coupling are given
-/// the pose of the head in the moved world, and so never learn of compliance:
+/// The compliant parts between the rigid tool's frame T and the world W. Layer and mount move the bone's
+/// frame M; the tool's bending moves the frame E of its head. Cutting engine and coupling get the head's pose
+/// in M, so that they need not know about compliance:
 ///
 ///     X_ME  = X_WM^-1 X_WT X_TE
 ///     f_T_W = R_WM f_E_M,   t_T_W = R_WM t_E_M + (p_WE - p_WT) × f_T_W
 ///
-/// The poses follow from the states of the previous tick. Step advances the states with this tick's wrench of
-/// the planes. Nothing is solved, nothing allocated.
+/// The poses use the states of the previous tick. Step advances the states with this tick's wrench of the
+/// planes. No equations are solved and no memory is allocated.
 class Compliance {
  public:
   /// @throws std::invalid_argument as Validate.
@@ -46,24 +46,25 @@ class Compliance {
 
   /// Sets all elements to rest, undeformed.
   void Reset() OSTEON_RT;
-  /// Replaces the tool's link, at a change of tool. It begins undeformed.
+  /// Replaces the parameters of the tool's bending, at a change of tool. The new tool is undeformed at first.
   void SetTool(const std::optional<ToolLinkParams>& tool) OSTEON_RT;
 
-  /// Pose of the bent head in the bone's world, for the pose of the rigid tool.
+  /// Pose of the bent head in the bone's frame M, for a pose of the rigid tool.
   [[nodiscard]] Pose X_ME(const Pose& X_WT) const OSTEON_RT;
   /// Velocity of E at Eo relative to M, in M.
   [[nodiscard]] Twist V_ME(const Pose& X_WT, const Twist& V_WT) const OSTEON_RT;
-  /// A wrench on the head, on E at Eo in M, as the wrench on T at To in W.
+  /// Converts a wrench on the head (on E at Eo, in M) to the wrench on T at To, in W.
   [[nodiscard]] Wrench OnTool(const Wrench& F_E_M, const Pose& X_WT) const OSTEON_RT;
-  /// Pose of the bone's world in W.
+  /// Pose of the bone's frame M in W.
   [[nodiscard]] Pose X_WM() const OSTEON_RT;
 
   /// Advances all elements by one tick.
-  /// @param F_E_M  wrench of the planes on the head as rendered: after shares and limits, but without depth
+  /// @param F_E_M  rendered wrench of the planes on the head: after all scales and limits, but without depth
   ///   limit, passivity damping and the spindle's torque
   void Step(const Wrench& F_E_M, const simulation::ContactModel& model, const Pose& X_WT) OSTEON_RT;
 
-  /// Whether the tool's bend, the thrust on it or the mount's motion is beyond its limit: the cell must stop.
+  /// Whether the tool's bending, the thrust on the tool or the mount's motion is beyond its limit. The cell
+  /// must then stop.
   [[nodiscard]] bool beyond_limit() const OSTEON_RT { return beyond_limit_; }
   /// Whether a displacement is larger than noticed_m.
   [[nodiscard]] bool noticed() const OSTEON_RT;

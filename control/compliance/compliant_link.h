@@ -11,13 +11,15 @@ namespace osteon::control {
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// One tick of a massless Kelvin-Voigt element, a spring with a damper beside it:
+/// One tick of a massless Kelvin-Voigt element, a spring and a damper in parallel. x is its displacement, T
+/// the period, tau its time constant:
 ///
 ///     x+ = (x + (T/tau) x_inf(F)) / (1 + T/tau)
 ///
-/// With x_inf = C F, F the force of a contact spring K in series with the element, the element dissipates
-/// energy over every closed path and is stable if and only if tau >= T (K c - 1) / 2, c the largest
-/// compliance at a touching point. Source: implicit Euler of tau x' + x = x_inf.
+/// x_inf(F) is the displacement at rest under the force F. Let x_inf = C F, with the force F of a contact
+/// spring K in series, and let c be the element's largest compliance at a touching point. Then the element
+/// dissipates energy over every closed path, and is stable, if and only if tau >= T (K c - 1) / 2. Source:
+/// implicit Euler of tau x' + x = x_inf.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, 1> StepMassless(const Eigen::Matrix<double, N, 1>& x,
                                                        const Eigen::Matrix<double, N, 1>& x_inf,
@@ -29,13 +31,13 @@ template <int N>
 /// A tool that bends: a massless element between the rigid tool's frame T and its bent head E. Every field
 /// but the compliance has a usable default.
 struct ToolLinkParams {
-  Matrix6 compliance_T{Matrix6::Zero()};  ///< displacement of E in T by a wrench on E, at Eo, in T
+  Matrix6 compliance_T{Matrix6::Zero()};  ///< maps a wrench on E (at Eo, in T) to the displacement of E in T
   double tau_s{0.020};                    ///< time constant; > 0
-  double max_bend_m{0.01};   ///< lateral displacement beyond which the cell stops (free length / 10); > 0
-  double max_thrust_N{1e3};  ///< axial thrust beyond which the cell stops (half of buckling); > 0
+  double max_bend_m{0.01};   ///< larger lateral displacement stops the cell (free length / 10); > 0
+  double max_thrust_N{1e3};  ///< larger axial thrust stops the cell (half of the buckling load); > 0
 };
 
-/// Pose of the bent head in T: exp of the element's displacement e.
+/// Pose of the bent head in T: exponential of the element's displacement e.
 [[nodiscard]] Pose BentHead(const Vector6& e) OSTEON_RT;
 
 /// @throws std::invalid_argument naming the field, the value found and what is accepted: a symmetric

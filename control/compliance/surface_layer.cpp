@@ -9,16 +9,16 @@ namespace osteon::control {
 namespace {
 
 constexpr double kLinearUpTo_N = 1.0;  // up to this force the indentation is proportional to the force
-constexpr double kMaxShare = 0.4;  // indentation over thickness up to which a linear layer is a valid model
+constexpr double kMaxShare = 0.4;  // indentation / thickness up to which the model of a linear layer is valid
 
-// Indentation [m] at rest by the two nonlinear equations of LayerIndentation, without fade and cap.
+// Indentation [m] at rest by the first two equations of LayerIndentation, without its fade and its bound.
 // @param force_N  > 0
 double WinklerIndentation(const SurfaceLayerParams& params, const LayerContact& contact,
                           double force_N) OSTEON_RT {
   const double area_m2 = std::clamp(contact.area_m2, params.touch_area_m2, params.max_area_m2);
   const double slope = contact.kappa_N_per_m3 * area_m2 / params.engaged_layer_m;
   const double delta_m = std::sqrt(force_N / slope);
-  // delta_s: here the whole area max_area_m2 is in contact
+  // delta_s of LayerIndentation: from this indentation on, the whole area max_area_m2 is in contact
   const double full_m = 0.5 * params.engaged_layer_m * params.max_area_m2 / area_m2;
   if (delta_m <= full_m) return delta_m;
   return force_N / (contact.kappa_N_per_m3 * params.max_area_m2) + 0.5 * full_m;

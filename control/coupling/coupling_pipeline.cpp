@@ -89,8 +89,8 @@ safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::L
   return rendered;
 }
 
-// Adds the guidance to a wrench that is within the limits: the greatest share with which the sum stays within
-// them.
+// Adds the guidance's wrench to a wrench that is within the limits, with the largest share for which the sum
+// stays within them.
 void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON_RT {
   const double proposed = guidance_->ProposeScale({.X_WT = X_WT_, .V_WT = V_WT_, .model_fade = output_.fade});
   if (guidance_->field().inside) {
@@ -101,8 +101,8 @@ void CouplingPipeline::AddGuidance(const ArmFollower& arm, Wrench& F_T_W) OSTEON
   const auto sum_with = [&](double share) OSTEON_RT {
     return Wrench{.f = F_T_W.f + share * guidance.f, .t = F_T_W.t + share * guidance.t};
   };
-  // The closed form gives the largest share within force and torque. Usually the arm can hold it; if not, the
-  // share is found by halving.
+  // The closed form gives the largest share within the limits of force and torque. If the arm cannot hold
+  // that sum, which is rare, the share is found by bisection.
   const double share = MaxFittingScale(
       ScaleWithin(limiter_, F_T_W, guidance, proposed),
       [&](double each) OSTEON_RT { return arm.Limit(limiter_, sum_with(each)).share >= 1.0; });
@@ -121,12 +121,13 @@ void CouplingPipeline::LimitPower(double power_scale, safety::LimitedWrench& ren
   if (guidance_) guidance_->ScaleRendered(power_scale);
 }
 
-// Returns a wrench on the head, in the bone's world, as the wrench on T in W.
+// Converts a wrench on the head, in the bone's frame, to the wrench on T in W.
 Wrench CouplingPipeline::OnTool(const Wrench& F_E_M) const OSTEON_RT {
   return compliance_ ? compliance_->OnTool(F_E_M, X_WT_) : F_E_M;
 }
 
-// The planes' part of the rendered wrench, on the head: without the spindle's torque.
+// The part of the rendered wrench that the planes exert, on the head. It does not include the spindle's
+// torque.
 Wrench CouplingPipeline::RenderedByPlanes() const OSTEON_RT {
   const double stabiliser_scale = stabilisers_.governor().wrench_scale() * stabilisers_.tank().scale();
   const double scale = stabiliser_scale * limited_E_.share;

@@ -27,8 +27,8 @@ namespace osteon::control {
 /// Call Evaluate, Render, LimitPower and StepCompliance in this order, each at most once per tick. All
 /// wrenches that they return are within the cell's limits of force and torque.
 ///
-/// If the cell is compliant (control/compliance), coupling and stabilisers see the pose and velocity of the
-/// bent head in the bone's world, and the wrench is carried back to T.
+/// If the cell is compliant (control/compliance), coupling and stabilisers get the pose and velocity of the
+/// bent head in the bone's frame, and their wrench is converted to a wrench on T.
 class CouplingPipeline {
  public:
   /// @param params  the loop's parameters; gains in them may change between ticks (OnGainsChanged). Must
@@ -41,17 +41,17 @@ class CouplingPipeline {
   /// Call when gains in the loop's parameters have changed.
   void OnGainsChanged() OSTEON_RT;
 
-  /// Evaluates the coupling of this tick and limits it: by the energy that its spring may store, the cell's
-  /// force and torque limits, and what the arm can hold.
+  /// Evaluates the coupling of this tick. Limits its wrench by the energy that the spring may store, by the
+  /// cell's limits of force and torque, and by what the arm can hold.
   /// @param[in,out] acting  the limits that act are added
   const CouplingOutput& Evaluate(const CouplingInput& input, const ArmFollower& arm,
                                  safety::LimitSet& acting) OSTEON_RT;
-  /// The limited wrench of the last Evaluate, before the stabilisers' damping.
+  /// The limited wrench of the last Evaluate, without the passivity controller's damping.
   [[nodiscard]] const safety::LimitedWrench& limited() const OSTEON_RT { return limited_; }
   [[nodiscard]] const CouplingOutput& output() const OSTEON_RT { return output_; }
 
-  /// Replaces the guidance, at a change of tool, by a freshly made one, whose energy and share begin at zero.
-  /// Keeps the present gain. Does not allocate.
+  /// Replaces the guidance at a change of tool. The new guidance begins with energy and share zero, and keeps
+  /// the present gain. Does not allocate.
   void SetGuidance(const std::optional<Guidance>& guidance) OSTEON_RT {
     const std::optional<Guidance> before = guidance_;
     guidance_ = guidance;
@@ -62,20 +62,20 @@ class CouplingPipeline {
     if (guidance_) guidance_->SetGain(gain);
   }
 
-  /// Returns the wrench to render: that of the last Evaluate plus the passivity controller's damping, the
-  /// depth limit's resistance and the guidance, within the same limits. The guidance gets the force and
-  /// torque that the other parts leave.
+  /// Returns the wrench to render: the limited wrench of the last Evaluate plus the passivity controller's
+  /// damping, the depth limit's resistance and the guidance. The sum is within the same limits. The guidance
+  /// is added last and gets only the force and torque that the other parts leave.
   [[nodiscard]] safety::LimitedWrench Render(const ArmFollower& arm, safety::LimitSet& acting) OSTEON_RT;
   /// Multiplies a rendered wrench by `power_scale`, 0 … 1, if that is less than 1.
   void LimitPower(double power_scale, safety::LimitedWrench& rendered, safety::LimitSet& acting) OSTEON_RT;
 
-  /// Reports that only this share, 0 … 1, of the wrench reached the arm.
+  /// Call if only this share, 0 … 1, of the wrench reached the arm.
   void OnWrenchScaled(double share) OSTEON_RT {
     passed_scale_ *= share;
     if (guidance_ && share < 1.0) guidance_->ScaleRendered(share);
   }
 
-  /// Advances the compliant parts by one tick, with the planes' wrench as it was rendered.
+  /// Advances the compliant parts by one tick, using the planes' part of the rendered wrench.
   /// @param model  as given to Evaluate
   void StepCompliance(const simulation::ContactModel& model, safety::LimitSet& acting) OSTEON_RT;
   /// The cell's compliance; null if the cell is rigid.
@@ -87,20 +87,21 @@ class CouplingPipeline {
   void SetBending(const std::optional<ToolLinkParams>& tool) OSTEON_RT {
     if (compliance_ && params_.compliance.tool) compliance_->SetTool(tool);
   }
-  /// Whether the head is more than 1 mm beyond the depth bound, if the bound moves with the bone. A bound
-  /// that rests is a zone of the workspace.
+  /// Whether the head is more than 1 mm beyond the depth bound, for a bound that moves with the bone. A bound
+  /// at rest is checked as a zone of the workspace instead.
   [[nodiscard]] bool beyond_depth() const OSTEON_RT;
 
-  /// Adds the limits that acted on a rendered wrench, as its shares and the stabilisers show.
+  /// Adds to `acting` the limits that acted on a rendered wrench, according to its shares and to the
+  /// stabilisers.
   void AddActing(const safety::LimitedWrench& rendered, safety::LimitSet& acting) const OSTEON_RT;
 
   [[nodiscard]] const safety::WrenchLimiter& limiter() const OSTEON_RT { return limiter_; }
   [[nodiscard]] const Stabilisers& stabilisers() const OSTEON_RT { return stabilisers_; }
   [[nodiscard]] const safety::DepthLimit& depth_limit() const OSTEON_RT { return depth_limit_; }
   [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT { return guidance_; }
-  /// Whether the guidance's force has grown faster than its springs can make it grow: a defect.
+  /// Whether the guidance's force has grown faster than its springs allow, which only a defect can cause.
   [[nodiscard]] bool guidance_trips() const OSTEON_RT { return guidance_ && guidance_->trips(); }
-  /// Whether the spindle must stand: by the depth limit or by the guidance.
+  /// Whether depth limit or guidance requires the spindle to stand still.
   [[nodiscard]] bool stops_spindle() const OSTEON_RT {
     return depth_limit_.stops_spindle() || (guidance_ && guidance_->stops_spindle());
   }
@@ -128,12 +129,12 @@ class CouplingPipeline {
   // values of the last Evaluate
   Pose X_WT_{Pose::Identity()};
   Twist V_WT_;
-  Pose X_ME_{Pose::Identity()};  // the head in the bone's world; X_WT_ where the cell is rigid
+  Pose X_ME_{Pose::Identity()};  // the head in the bone's frame; equals X_WT_ in a rigid cell
   Twist V_ME_;
   CouplingOutput output_;
-  safety::LimitedWrench limited_;    // on T, in W
-  safety::LimitedWrench limited_E_;  // on the head, in M: the same where the cell is rigid
-  double passed_scale_{1.0};         // share of Render's wrench that later limits passed
+  safety::LimitedWrench limited_;    // wrench on T at To, in W
+  safety::LimitedWrench limited_E_;  // on the head, in M; equals limited_ in a rigid cell
+  double passed_scale_{1.0};         // share of Render's wrench that the later limits left
   bool pressed_{false};
 };
 

@@ -5,11 +5,12 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMinForce_N = 1e-9;  // below it a force has no direction
+constexpr double kMinForce_N = 1e-9;  // a smaller force has no defined direction
 
 Wrench Scaled(const Wrench& F, double share) OSTEON_RT { return {.f = share * F.f, .t = share * F.t}; }
 
-// Scales a hand-over down if the spring's force has fallen since it began, as when planes release the tool.
+// Scales a hand-over down if the spring's force has fallen since the hand-over began, as when planes release
+// the tool.
 HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   if (spring_N >= hand_over.spring_N) return hand_over;
   hand_over.F_T_W = Scaled(hand_over.F_T_W, spring_N / hand_over.spring_N);
@@ -17,13 +18,13 @@ HandOver AtForce(HandOver hand_over, double spring_N) OSTEON_RT {
   return hand_over;
 }
 
-// Scales `before`, along its own line of action, to the force of `after`. A smaller `before` is not enlarged:
-// a part of `after` fills it up instead.
+// Returns a wrench with the direction of `before` and the force of `after`. A larger `before` is scaled down.
+// A smaller `before` is not scaled up: a part of `after` is added.
 Wrench WithSizeOf(Wrench before, const Wrench& after) OSTEON_RT {
   const double after_N = after.f.norm();
   const double against_N = std::min(0.0, before.f.dot(after.f) / after_N);  // <= 0
-  before.f -=
-      against_N / after_N * after.f;  // removes a component against `after`, due to rounding or motion
+  // remove a component opposite to `after`, which rounding or motion may cause
+  before.f -= against_N / after_N * after.f;
   const double before_N = before.f.norm();
   if (before_N <= kMinForce_N) return after;
   const double share = std::min(1.0, after_N / before_N), rest = std::max(0.0, 1.0 - before_N / after_N);
@@ -41,7 +42,7 @@ void BeginHandOver(HandOver& hand_over, const HandOverRate& rate, const Wrench& 
   const Wrench difference{.f = first.f - after.f, .t = first.t - after.t};
   const double difference_N = difference.f.norm();
   if (difference_N <= kMinForce_N) return;
-  // frames that arrive during a turn do not slow it down
+  // a frame that arrives during a turn does not slow the turn down
   hand_over = {
       .F_T_W = difference,
       .spring_N = after.f.norm(),

@@ -15,13 +15,15 @@ using simulation::Contact;
 using simulation::ContactModel;
 using simulation::kMaxContacts;
 
-// Bounds of plausible values: beyond them a value comes from a broken sender, not from a bone in a cell.
+// Bounds of plausible values. A value beyond them can only come from a defective sender.
 constexpr double kMaxPosition_m = 10.0;
 constexpr double kMaxStiffness_N_per_m = 1e7;
 constexpr double kMaxAdvance_m_per_s = 1.0;
 constexpr double kMaxTorque_Nm = 100.0;
-constexpr double kRounding_m = 1e-9;  // rounding of a proxy's distance from a plane that it lies on
-constexpr double kMaxTick_s = 0.005;  // a longer gap between ticks was a stop of the loop, not cutting
+// rounding error of a proxy's distance from a plane on which the proxy lies
+constexpr double kRounding_m = 1e-9;
+// longest time between ticks that counts as cutting: in a longer one the loop stood still
+constexpr double kMaxTick_s = 0.005;
 
 bool Within(double value, double low, double high) { return value >= low && value <= high; }  // false for NaN
 
@@ -50,7 +52,8 @@ ModelStatus CheckModel(const ContactModel& model) {
   return ModelStatus::kOk;
 }
 
-// Time spent cutting up to a stamp: the newest sample that is not after it, or else the oldest sample.
+// Time spent cutting up to a stamp, by the newest sample that is not later than the stamp; if all are later,
+// by the oldest sample.
 double CuttingTimeAt(const CouplingState& state, rt::Nanoseconds stamp) {
   double cut_s = state.cut_s;
   for (int back = 1; back <= CouplingState::kHistory; ++back) {
@@ -78,8 +81,8 @@ bool AnyHeldBack(const CouplingState& state) {
   return std::any_of(state.held_back_m.begin(), state.held_back_m.end(), [](double h) { return h > 0.0; });
 }
 
-// Spring wrench, on T at To in W, of the previous frame's planes at a pose of the tool. Each plane has its
-// present recession and is held back as far as at present.
+// Spring wrench, on T at To in W, of the previous frame's planes at a pose of the tool. The planes have their
+// present recession and are held back as at present.
 Wrench SpringOfFrame(const CouplingState& state, const Pose& X_WT) {
   std::array<HalfSpace, kMaxHalfSpaces> planes;
   std::array<Vector3, kMaxContacts> lever_W;
@@ -119,18 +122,18 @@ struct CouplingTick {
   double dt_s{0.0};              // time since the last tick
   bool fresh{false};             // the model is young enough for its planes to recede
   bool new_frame{false};         // the model's planes replace those of the last tick
-  double cut_since_pose_s{0.0};  // if a new frame: time spent cutting since its pose
-  Wrench F_before_T_W{};         // if a new frame: spring wrench of the previous planes at this pose
+  double cut_since_pose_s{0.0};  // for a new frame: time spent cutting since the pose of the frame
+  Wrench F_before_T_W{};         // for a new frame: spring wrench of the previous planes at this tick's pose
 };
 
 // The planes at a tick's pose.
 struct PlacedPlanes {
   std::array<HalfSpace, kMaxHalfSpaces> half_space;  // bounds on the displacement from tool to proxy
-  std::array<Vector3, kMaxContacts> lever_W;         // from To to the contact point
+  std::array<Vector3, kMaxContacts> lever_W;         // vectors from To to the contact points
 };
 
-// Checks the model and the pose, and fades the coupling by the model's age. Returns false if either is
-// unusable: then the contact is forgotten and nothing is rendered.
+// Checks the model and the pose, and fades the coupling by the model's age. If the model or the pose is
+// unusable, resets the contact's state and returns false: nothing is rendered then.
 bool WeighModel(CouplingTick& tick, CouplingState& state, CouplingOutput& out) {
   const CouplingParams& params = tick.params;
   const CouplingInput& input = tick.input;
@@ -168,12 +171,13 @@ void AcceptFrame(CouplingTick& tick, CouplingState& state) {
   state.held_back_m.fill(0.0);
 }
 
-// Places a plane for this tick: the frame's plane, receded and held back.
-// @returns the gap that it leaves to the tool [m]
+// Computes the position of a plane in this tick: the frame's plane, moved by its recession and by the
+// distance by which it is held back. @returns the gap between tool and plane [m]
 double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, const Vector3& lever_W,
                   CouplingState& state) {
   const Contact& c = tick.input.model.contacts[i];
-  // the frame's plane, held back, then receded
+  // The gap is that of the frame's plane, plus the distance by which the plane is held back, plus its
+  // recession.
   double gap_m = n_W.dot(lever_W + tick.input.X_WT.translation() - Vector3(c.p_W_m));
 
   double& recession_m = state.recession_m[i];
@@ -186,7 +190,8 @@ double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, c
   gap_m += recession_m;
   if (!tick.new_frame || !state.has_proxy) return gap_m;
 
-  // a new frame's plane that the last proxy would violate is held back to where the proxy touches it
+  // If the last proxy would violate a new frame's plane, the plane is held back so that the proxy just
+  // touches it.
   const double before_m = n_W.dot(state.X_WP * Vector3(c.p_TP_m) - Vector3(c.p_W_m)) + recession_m;
   const double beyond_m = -before_m - state.violation_m;
   if (beyond_m > kRounding_m) {
@@ -197,7 +202,7 @@ double PlacePlane(const CouplingTick& tick, std::size_t i, const Vector3& n_W, c
   return gap_m;
 }
 
-// Places all planes, and advances the return of those that are held back by one tick.
+// Computes the positions of all planes. Then releases the held-back planes by the distance of one tick.
 void PlacePlanes(const CouplingTick& tick, CouplingState& state, PlacedPlanes& placed, CouplingOutput& out) {
   const ContactModel& model = tick.input.model;
   for (std::size_t i = 0; i < static_cast<std::size_t>(model.contact_count); ++i) {
@@ -242,7 +247,8 @@ Wrench ComputeSpring(const CouplingTick& tick, const PlacedPlanes& placed, Coupl
   return spring;
 }
 
-// Turns the spring's wrench over several ticks after a change of frame.
+// After a change of frame, distributes the turn of the spring's wrench over several ticks. @returns the
+// wrench of this tick
 Wrench TurnSpring(const CouplingTick& tick, const Wrench& spring, CouplingState& state, CouplingOutput& out) {
   if (tick.new_frame)
     BeginHandOver(state.hand_over,
@@ -254,8 +260,8 @@ Wrench TurnSpring(const CouplingTick& tick, const Wrench& spring, CouplingState&
   return turned;
 }
 
-// Factor on the spring's wrench: damping along the resultant, at most a fraction of the spring; then the
-// fade by age. @param spring_N  |spring.f|
+// Factor on the spring's wrench, c in the header: damping along the resultant, at most damping_share of the
+// spring's force, times the fade by age. @param spring_N  |spring.f|
 double DampingScale(const CouplingTick& tick, const Wrench& spring, double spring_N, double fade) {
   if (!(spring_N > 0.0)) return 0.0;
   const Twist& V_WT = tick.input.V_WT;
@@ -264,7 +270,7 @@ double DampingScale(const CouplingTick& tick, const Wrench& spring, double sprin
   return fade * (1.0 + (damping > -1.0 ? std::min(damping, tick.params.damping_share) : -1.0));
 }
 
-// Scales the contacts' forces, and notes which of them press.
+// Scales the contacts' forces, and stores which contacts press while the spindle turns.
 void ScaleContacts(double scale, bool spindle_turns, CouplingState& state, CouplingOutput& out) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(kMaxContacts); ++i) {
     out.normal_force_N[i] *= scale;

@@ -16,7 +16,7 @@ void Require(bool accepted, const char* name, double found, const char* range) {
                                 ", accepted " + range);
 }
 
-// Polynomial from 0 to 1 for u in 0 … 1, with vanishing velocity and acceleration at both ends.
+// Polynomial that rises from 0 to 1 for u in 0 … 1, with zero first and second derivatives at both ends.
 double Quintic(double u) OSTEON_RT {
   const double v = std::clamp(u, 0.0, 1.0);
   return v * v * v * (10.0 + v * (6.0 * v - 15.0));
@@ -36,7 +36,7 @@ ExcitationPath::ExcitationPath(const ExcitationParams& params, double period_s)
   period_ticks_ = static_cast<int>(std::lround(Multisine::kPeriod_s / period_s));
   for (int d = 0; d < params.draws; ++d) {
     Multisine draw(params.seed + static_cast<std::uint64_t>(d), params.peak_speed_m_per_s);
-    // amplitudes that would exceed travel or acceleration are reduced
+    // reduce the amplitudes if travel or acceleration would exceed its bound
     const double share = std::min({1.0, params.max_travel_m / draw.peak().x_m,
                                    params.max_acceleration_m_per_s2 / draw.peak().a_m_per_s2});
     if (share < 1.0) draw.Scale(share);
@@ -51,7 +51,7 @@ ExcitationStep ExcitationPath::Step(bool permitted) OSTEON_RT {
   const bool full_rate = clock_.rate() >= 1.0;
   t_s_ += passed_s;
   faded_s_ += passed_s;
-  // at less than full rate, a new settling period begins
+  // while the clock runs at less than full rate, a settling period is begun again in each tick
   if (part_ == ExcitationPart::kFading) {
     if (faded_s_ >= kFade_s) part_ = ExcitationPart::kDone;
   } else if (full_rate) {
@@ -67,8 +67,7 @@ ExcitationStep ExcitationPath::Step(bool permitted) OSTEON_RT {
           .at_rest = !permitted && clock_.rate() <= 0.0};
 }
 
-// Counts ticks at full rate into periods, and periods into draws. The tick that completes a period still
-// belongs to it.
+// Counts a tick at full rate, and begins the next period or draw if the present one is complete.
 void ExcitationPath::Count() OSTEON_RT {
   if (ticks_ == period_ticks_) {
     ticks_ = 0;
@@ -109,7 +108,7 @@ double ExcitationPath::Offset() const OSTEON_RT {
 }
 
 double ExcitationPath::duration_s() const {
-  // periods count from the clock's full rate on, which it reaches 2/3 pause_s after its start
+  // Periods are counted once the clock runs at full rate, which takes 2/3 pause_s after its start.
   return Multisine::kPeriod_s * (params_.periods + 1) * static_cast<double>(draws_.size()) +
          params_.pause_s * 2.0 / 3.0 + kFade_s;
 }

@@ -11,11 +11,11 @@ namespace osteon::control {
 
 struct ExcitationParams {
   std::uint64_t seed{1};            ///< draw d has seed + d
-  int draws{4};                     ///< 1 … kMaxDraws; different phases
-  int periods{3};                   ///< counted periods per draw, 1 … 100; one settling period comes before
+  int draws{4};                     ///< number of multisines with different phases, 1 … kMaxDraws
+  int periods{3};                   ///< counted periods per draw, 1 … 100; a settling period precedes them
   double peak_speed_m_per_s{0.05};  ///< > 0
-  double max_travel_m{0.004};       ///< largest offset: if needed, all amplitudes are reduced; > 0
-  double max_acceleration_m_per_s2{8.0};  ///< likewise; > 0
+  double max_travel_m{0.004};       ///< largest offset; all amplitudes are reduced to keep it; > 0
+  double max_acceleration_m_per_s2{8.0};  ///< largest acceleration; kept in the same way; > 0
   double pause_s{0.5};                    ///< longest time from the switch's release to rest; 0.05 … 5
 
   static constexpr int kMaxDraws = 16;
@@ -29,18 +29,18 @@ struct ExcitationStep {
   ExcitationPart part{ExcitationPart::kSettling};
   int draw{0};
   int period{0};        ///< counted periods finished in this draw
-  bool at_rest{false};  ///< the path is paused or done, and stands
+  bool at_rest{false};  ///< the path is at rest, because it is paused or done
 };
 
-/// The offset along an axis over time. Each draw has a settling period and then the counted periods. The
-/// offset is cross-faded from draw to draw within kFade_s, and likewise from zero at the beginning and to
-/// zero at the end.
+/// The offset along an axis over time. It consists of several multisines (draws), each with a settling period
+/// and then the counted periods. From one draw x_before to the next, x_draw, the offset is cross-faded within
+/// kFade_s. In the same way it begins from zero and ends at zero.
 ///
 ///     x(t) = (1 - s) x_before(t) + s x_draw(t)          s = quintic of the draw's first kFade_s
 ///
-/// The time t runs on a PausableClock: without permission the motion comes to rest on its way within pause_s.
-/// With permission again it goes on, and a new settling period begins, because periods cut by a pause do not
-/// count. Set-up allocates; Step does not. Same inputs, same bits.
+/// The time t runs on a PausableClock. Without permission, the motion comes to rest on its path within
+/// pause_s. When permission returns, it continues with a new settling period, because a period that a pause
+/// has interrupted is not counted. Set-up allocates; Step does not. Same inputs, same bits.
 class ExcitationPath {
  public:
   static constexpr double kFade_s = 0.5;  ///< duration of each cross-fade
@@ -69,9 +69,9 @@ class ExcitationPath {
   PausableClock clock_;
   int period_ticks_;
   double t_s_{0.0};      // the path's own time
-  double faded_s_{0.0};  // since the present draw, or the end's fade, began
+  double faded_s_{0.0};  // time since the present draw, or the final fade, began
   ExcitationPart part_{ExcitationPart::kSettling};
-  int ticks_{0};         // at full rate, in the present period
+  int ticks_{0};         // ticks at full rate in the present period
   std::size_t draw_{0};  // index of the present draw
   int period_{0};        // counted periods finished in this draw
 };

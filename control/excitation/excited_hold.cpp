@@ -11,13 +11,14 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kSecond_s = 1.0;  // lost messages and answers are counted over this time
+constexpr double kSecond_s = 1.0;  // time over which lost messages and answers are counted
 // ForceGrows: the force above kSlow_hz is measured in windows of kWindow_s.
 constexpr double kWindow_s = 0.1, kSlow_hz = 5.0;
 // A window's force has grown if it is more than kGrowth times that of the window before, and above kGrown_N.
 constexpr double kGrowth = 1.3, kGrown_N = 5.0;
-constexpr int kGrowingWindows = 3;  // so many growing windows in a row abort the excitation
-constexpr int kMaxGap = 100;  // longest gap that counts, in messages; the loop itself reacts to a longer one
+constexpr int kGrowingWindows = 3;  // number of growing windows in a row that abort the excitation
+// longest gap between messages that is counted, in messages; to a longer gap the loop reacts
+constexpr int kMaxGap = 100;
 
 using JointMap = Eigen::Map<const Eigen::Matrix<double, kJoints, 1>>;
 
@@ -72,7 +73,7 @@ ExcitedHold::ExcitedHold(const ExcitedHoldParams& params)
   Require(overlay.mass_kg > 0.0 && overlay.damping_Ns_per_m >= 0.0 && overlay.stiffness_N_per_m > 0.0,
           "overlay.stiffness_N_per_m", overlay.stiffness_N_per_m, "> 0, with a mass > 0 and a damping >= 0");
   const MultisineState peak = path_.peak();
-  // upper bound of the unscaled force: the peaks of all three terms together
+  // upper bound of the unscaled force: as if all three terms had their peaks at the same time
   const double bound_N = overlay.mass_kg * peak.a_m_per_s2 + overlay.damping_Ns_per_m * peak.v_m_per_s +
                          overlay.stiffness_N_per_m * peak.x_m;
   overlay_scale_ = std::min(1.0, overlay.max_force_N / bound_N);
@@ -85,7 +86,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
     sequence_ = tick.sequence;
     return step_;
   }
-  // messages since the last one that arrived, lost ones included
+  // number of messages since the last one that arrived, including lost messages
   const int messages =
       std::clamp(static_cast<int>(tick.sequence - sequence_) / params_.sequence_step, 1, kMaxGap);
   sequence_ = tick.sequence;
@@ -93,7 +94,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
   if (abort_ == ExcitationAbort::kNone && !done_ && LosesAnswers(tick, messages))
     abort_ = ExcitationAbort::kAnswersLost;
   if (abort_ == ExcitationAbort::kArmLeft) {
-    // the arm no longer follows commands: there is no motion to brake
+    // the arm no longer follows commands, so there is no motion to brake
     step_ = {.path = step_.path, .abort = abort_};
     done_ = true;
     return step_;
@@ -105,7 +106,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
           (abort_ != ExcitationAbort::kNone && step_.path.at_rest);
   step_.excites = !done_;
   if (done_) step_.f_N = 0.0;
-  // the commanded offset of the joints, and the measured one along the axis or of the joint
+  // Compute the commanded offset of the joints, and the measured offset along the axis or of the joint.
   JointArray moved{};
   for (std::size_t j = 0; j < moved.size(); ++j) {
     if (!params_.overlay.on) step_.offset[j] = params_.direction[j] * step_.x_m;
@@ -116,7 +117,7 @@ ExcitedHoldStep ExcitedHold::Step(const ExcitedTick& tick) OSTEON_RT {
   return step_;
 }
 
-// Advances the path by as many periods as messages have passed, some of which may have been lost.
+// Advances the path by one period for each message, including messages that were lost.
 void ExcitedHold::StepPath(bool permitted, int messages) OSTEON_RT {
   for (int i = 0; i < messages; ++i) {
     step_.path = path_.Step(permitted);
@@ -125,7 +126,7 @@ void ExcitedHold::StepPath(bool permitted, int messages) OSTEON_RT {
   step_.x_m = step_.path.x_m;
 }
 
-// The force that would move an arm with the assumed properties along the path, for the path's next period.
+// The force for the path's next period: it would move an arm with the assumed properties along the path.
 double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
   const OverlayExcitation& overlay = params_.overlay;
   const double v_m_per_s = (x_m - x_last_m_) / params_.period_s,
@@ -137,8 +138,8 @@ double ExcitedHold::OverlayForce(double x_m) OSTEON_RT {
   return std::clamp(overlay_scale_ * f_N, -overlay.max_force_N, overlay.max_force_N);
 }
 
-// A tick of the rest before the excitation: averages the force, whose mean becomes its zero. After wait_s the
-// excitation begins, about the command that the loop holds.
+// One tick of the rest before the excitation. Averages the force: its mean becomes the force's zero. After
+// wait_s, the excitation begins at the joint positions that the loop holds.
 void ExcitedHold::BeginExcitation(const ExcitedTick& tick) OSTEON_RT {
   if (waited_ > 0 && tick.activation != activation_) waited_ = 0;
   if (waited_ == 0) force_zero_S_N_.setZero();
@@ -166,10 +167,10 @@ ExcitationAbort ExcitedHold::Check(const ExcitedTick& tick, double x_before_m) O
   return ForceGrows(force_S_N) ? ExcitationAbort::kForceGrows : ExcitationAbort::kNone;
 }
 
-// Whether tool and joint are near where the last answer commanded them.
+// Whether tool and joint are near the positions that the last answer commanded.
 bool ExcitedHold::Tracks(const ExcitedTick& tick, double x_before_m) const OSTEON_RT {
   JointArray error{};
-  // with an overlay the command stands still, and the force moves the tool away from it
+  // with an overlay, the command does not change: the force moves the tool away from it
   const double commanded_m = params_.overlay.on ? 0.0 : x_before_m;
   for (std::size_t j = 0; j < error.size(); ++j)
     error[j] = tick.q_meas[j] - q_hold_[j] - params_.direction[j] * commanded_m;
@@ -191,10 +192,10 @@ bool ExcitedHold::LosesAnswers(const ExcitedTick& tick, int messages) OSTEON_RT 
   return false;
 }
 
-// Whether the force grows from window to window, which shows an unstable loop: the excitation's own force is
-// periodic, with an even level.
+// Whether the force grows from window to window. Growth means that the loop is unstable, because the
+// excitation's own force has a constant level.
 bool ExcitedHold::ForceGrows(const Vector3& force_S_N) OSTEON_RT {
-  // first-order low pass; the rest of the force is above kSlow_hz
+  // A first-order low pass yields the slow force; the difference from it is the force above kSlow_hz.
   const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * kSlow_hz * params_.period_s);
   slow_S_N_ += share * (force_S_N - slow_S_N_);
   squares_ += (force_S_N - slow_S_N_).squaredNorm();

@@ -17,13 +17,14 @@ namespace {
 constexpr int kSamples = 4000;  // samples of a period, 1 ms apart
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-// Uniform in [0, 1): the generator's output is the same everywhere, a distribution's is not.
+// Random number, uniform in [0, 1). The output of std::mt19937_64 is the same on every platform; that of a
+// std:: distribution is not.
 double Uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-53; }
 
 using Phases = std::array<double, Multisine::kLines>;
 
-// Peak speed over a period. Phases are steps of the table `cosines`. The search ends early, with the speed
-// found so far, once that is at least `limit`.
+// Peak speed over a period. The lines' phases are given as indices into the table `cosines`. If the peak
+// reaches `limit`, the search ends early.
 double PeakSpeed(const std::array<MultisineLine, Multisine::kLines>& lines,
                  const std::vector<double>& cosines, double limit) {
   double peak = 0.0;
@@ -45,7 +46,7 @@ double PeakSpeed(const std::array<MultisineLine, Multisine::kLines>& lines,
 std::array<int, Multisine::kLines> Multisine::Harmonics() {
   std::array<int, kLines> harmonics{};
   int last = kMinHarmonic - 2;
-  // evenly in log(f); each is the nearest odd harmonic that is not to stay empty
+  // Frequencies evenly spaced in log(f). Each is rounded to the nearest odd harmonic that may have power.
   for (std::size_t i = 0; i < kLines; ++i) {
     const double share = static_cast<double>(i) / (kLines - 1);
     const double target = kMinHarmonic * std::pow(static_cast<double>(kMaxHarmonic) / kMinHarmonic, share);
@@ -64,13 +65,14 @@ Multisine::Multisine(std::uint64_t seed, double peak_speed_m_per_s) {
   const std::array<int, kLines> harmonics = Harmonics();
   for (std::size_t i = 0; i < kLines; ++i) {
     const double hz = Frequency(harmonics[i]);
-    const double speed = hz <= kFlatSpeed_hz ? 1.0 : kFlatSpeed_hz / hz;  // relative to the lowest line's
+    // relative to the speed of the lowest line
+    const double speed = hz <= kFlatSpeed_hz ? 1.0 : kFlatSpeed_hz / hz;
     lines_[i] = {.harmonic = harmonics[i], .amplitude_m = speed / (kTwoPi * hz)};
   }
   std::vector<double> cosines(kSamples);
   for (int k = 0; k < kSamples; ++k) cosines[static_cast<std::size_t>(k)] = std::cos(kTwoPi * k / kSamples);
 
-  // while drawing, phase_rad holds whole steps of the table
+  // During the search, phase_rad holds an index into the table, not an angle.
   std::mt19937_64 random(seed);
   double lowest_peak = std::numeric_limits<double>::infinity();
   Phases best{};

@@ -20,27 +20,29 @@ struct MultisineState {
 
 /// Odd random-phase multisine: a periodic motion whose power lies on kLines odd harmonics alone.
 ///
-///     x(t) = sum_i a_i cos(2 pi h_i t / P + phi_i)      P = 4 s, h_i / P = 0.75 … 59.25 Hz, evenly in log(f)
-///     a_i ~ 1 / f up to 20 Hz (speed flat), ~ 1 / f^2 above (acceleration flat)
+///     x(t) = sum_i a_i cos(2 pi h_i t / P + phi_i)     period P = 4 s, frequencies h_i / P = 0.75 … 59.25 Hz
+///     a_i ~ 1 / f up to 20 Hz (constant speed), ~ 1 / f^2 above (constant acceleration)
 ///
-/// Every fourth odd harmonic (7, 15, 23, …) and all even ones stay empty. Odd nonlinearities of the plant
-/// show on the empty odd harmonics, even nonlinearities on the even ones. Phases are random: the draw with
-/// the lowest crest factor of the speed among kDraws is used. Same seed, same bits. Source: Schoukens, Vaes,
+/// The harmonics h_i are evenly spaced in log(f). Every fourth odd harmonic (7, 15, 23, …) and all even
+/// harmonics have no power: the response at these odd harmonics shows odd nonlinearities of the plant, the
+/// response at the even harmonics shows even ones. The phases phi_i are random: of kDraws sets of phases, the
+/// one with the lowest crest factor of the speed is used. Same seed, same bits. Source: Schoukens, Vaes,
 /// Pintelon, IEEE Control Systems Magazine 36(3), 2016.
 class Multisine {
  public:
   static constexpr int kLines = 27;  ///< harmonics with power
   static constexpr double kPeriod_s = 4.0;
   static constexpr int kMinHarmonic = 3, kMaxHarmonic = 237;
-  static constexpr int kDraws = 100;             ///< random sets of phases that are tried
-  static constexpr double kFlatSpeed_hz = 20.0;  ///< up to this frequency all lines have the same speed
+  static constexpr int kDraws = 100;  ///< random sets of phases that are tried
+  /// up to this frequency, all lines have the same speed amplitude
+  static constexpr double kFlatSpeed_hz = 20.0;
 
-  /// Set-up; some 10 ms. @param seed  of the phases
+  /// For set-up; takes some 10 ms. @param seed  of the random phases
   /// @param peak_speed_m_per_s  largest speed; > 0
-  /// @throws std::invalid_argument if it is not.
+  /// @throws std::invalid_argument if the peak speed is not > 0
   Multisine(std::uint64_t seed, double peak_speed_m_per_s);
 
-  /// The motion at a time [s], periodic. No allocation.
+  /// The motion at a time [s]; it repeats with the period. Does not allocate.
   [[nodiscard]] MultisineState At(double time_s) const OSTEON_RT;
 
   /// Scales all amplitudes. @param factor  > 0

@@ -5,8 +5,8 @@
 namespace osteon::control {
 namespace {
 
-// Smallest stiffness for the check of the force's growth: the springs of funnel and depth may be 0, if a
-// guidance has only its cone.
+// Smallest stiffness for the check of the force's growth. A guidance may have only a cone; the stiffnesses of
+// funnel and depth are then 0.
 constexpr double kMinTripStiffness_N_per_m = 100.0;
 
 const GuidanceParams& Validated(const GuidanceParams& params) {
@@ -38,7 +38,8 @@ double Guidance::ProposeScale(const GuidanceInput& input) OSTEON_RT {
 
 void Guidance::AcceptScale(double scale) OSTEON_RT {
   scale_.AcceptScale(scale);
-  // Check the springs' force alone: the damping follows the velocity, which a contact may turn within a tick.
+  // Check only the springs' force. The damping depends on the velocity, which may change within a tick at a
+  // contact.
   trips_ = growth_.Check(scale * field_.f_spring_W, period_s_);
 }
 

@@ -15,29 +15,31 @@ struct GuidanceInput {
   double model_fade{1.0};       ///< weight of the contact model by its age, 0 … 1
 };
 
-/// Guidance along a surgical plan (a virtual fixture) in the tick: field, scale and energy, for one reamer.
+/// One tick of the guidance along a surgical plan (a virtual fixture), for one reamer.
 ///
 ///     pose, velocity → EvaluateGuidance → GuidanceScale: gain, ramp, energy → limits (the caller's)
 ///                    → AcceptScale
 ///
-/// Call ProposeScale, then AcceptScale, once per tick. A freshly made object is at rest: at a change of tool,
-/// copy a prepared one over it. Copying does not allocate.
+/// Call ProposeScale, then AcceptScale, once per tick. At a change of tool, assign a newly constructed
+/// object, whose state is at rest. Copying does not allocate.
 class Guidance {
  public:
-  /// @param max_speed_m_per_s  of the tool, for the check of the force's growth  @param period_s > 0
+  /// @param max_speed_m_per_s  speed limit of the tool, for the check of the force's growth @param period_s >
+  ///   0
   /// @throws std::invalid_argument as Validate.
   Guidance(const GuidanceParams& params, double max_speed_m_per_s, double period_s);
 
-  /// Forgets energy, scale and the spindle's stop. Call when rendering begins.
+  /// Resets energy, scale and the spindle's stop. Call when rendering begins.
   void Reset() OSTEON_RT;
-  /// Sets the gain, 0 … 1. The scale falls to it at once and rises to it as the energy allows.
+  /// Sets the gain, 0 … 1. A larger scale falls to the gain at once; a smaller scale rises to it as the
+  /// energy allows.
   void SetGain(double gain) OSTEON_RT { params_.gain = gain; }
 
   /// @returns the largest scale that gain, age, ramp and energy allow, before the limits of force and torque
   [[nodiscard]] double ProposeScale(const GuidanceInput& input) OSTEON_RT;
-  /// Sets the scale that the limits leave.
+  /// Sets the scale that the limits of force and torque allow.
   void AcceptScale(double scale) OSTEON_RT;
-  /// A later limit passed only this scale of the rendered wrench.
+  /// Call if a later limit multiplied the rendered wrench by this scale.
   void ScaleRendered(double scale) OSTEON_RT { scale_.ScaleRendered(scale); }
 
   [[nodiscard]] const GuidanceParams& params() const OSTEON_RT { return params_; }
@@ -46,9 +48,11 @@ class Guidance {
   [[nodiscard]] const GuidanceScale& scale() const OSTEON_RT { return scale_; }
   /// Whether a force or torque is rendered.
   [[nodiscard]] bool acts() const OSTEON_RT { return scale_.scale() > 0.0 && !field_.inside; }
-  /// Whether the spindle must stand: beyond a stop, until the tool is inside the corridor again.
+  /// Whether the spindle must stand still. True once the tool is beyond a stop, until the tool is inside the
+  /// corridor again.
   [[nodiscard]] bool stops_spindle() const OSTEON_RT { return stops_spindle_; }
-  /// Whether the springs' force grew faster than 1.5 sum(k) v_max in this tick: a defect.
+  /// Whether the springs' force grew faster than 1.5 sum(k) v_max in this tick, which only a defect can
+  /// cause. k: stiffnesses of funnel and depth.
   [[nodiscard]] bool trips() const OSTEON_RT { return trips_; }
 
   /// The guidance of this tick as it is recorded.

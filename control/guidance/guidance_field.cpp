@@ -11,7 +11,7 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
+constexpr double kMaxDampingShare = 0.25;  // largest damping force / spring force, as in the coupling
 constexpr double kPi = std::numbers::pi;
 
 // Throws std::invalid_argument unless the value is within low … high.
@@ -28,8 +28,8 @@ void RequireSpring(const std::string& name, const GuidanceSpring& spring, double
   Require((name + " cap").c_str(), spring.cap, 0.5 * spring.stiffness * spring.ease, max_cap);
 }
 
-// The spring's force [N or N·m] at an excess that changes at `rate`. On the way out, damping × rate is added;
-// on the way back, the force fades to zero at the speed return_rate.
+// The spring's force [N or N·m] at an excess that changes at `rate`. If the excess grows, damping × rate is
+// added. If it falls, the force is scaled down, to zero at the speed return_rate.
 double DampedForce(const GuidanceSpring& spring, double excess, double rate, double damping,
                    double return_rate) OSTEON_RT {
   const double force = SpringForce(spring, excess);
@@ -77,7 +77,8 @@ double SpringPotential(const GuidanceSpring& spring, double excess) OSTEON_RT {
 
 GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, const Twist& V_WT) OSTEON_RT {
   GuidanceField field;
-  // the head's position and the tool's angle relative to the plan, by the names of the formulas in the header
+  // Position of the head and angle of the tool relative to the plan, with the symbols of the header's
+  // formulas.
   const Vector3& a = params.axis_W;
   const Vector3 z = X_WT.linear().col(2);
   const Vector3 p_TH = -params.head_m * z;
@@ -87,7 +88,7 @@ GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, c
   const Vector3 r = from_centre - height * a;
   const double rho = r.norm();
   const double cos_psi = std::cos(params.widening_rad), sin_psi = std::sin(params.widening_rad);
-  const Vector3 turn = a.cross(z);  // z × -a: turning the tool about it reduces the angle
+  const Vector3 turn = a.cross(z);  // z × -a: a rotation of the tool about this axis reduces the angle
   const double turn_norm = turn.norm();
   const double angle = std::atan2(turn_norm, -a.dot(z));
 
@@ -102,7 +103,7 @@ GuidanceField EvaluateGuidance(const GuidanceParams& params, const Pose& X_WT, c
                       SpringPotential(params.lateral, e.lateral_m) + SpringPotential(params.depth, e.depth_m);
   if (field.inside) return field;
 
-  // damped force of each part, along the direction in which its excess grows or falls
+  // damped force of each part; its rate is the speed of the part's excess
   const Vector3 r_unit = rho > 0.0 ? Vector3(r / rho) : Vector3::Zero();
   const Vector3 turn_unit = turn_norm > 0.0 ? Vector3(turn / turn_norm) : Vector3::Zero();
   const Vector3 outward = cos_psi * r_unit - sin_psi * a;  // gradient of e_l

@@ -9,11 +9,11 @@ namespace osteon::control {
 namespace {
 
 constexpr double kRise_s = 0.1;     // shortest time in which the scale rises from 0 to 1 outside the corridor
-constexpr double kRounding = 1e-9;  // relative rounding error of a scale by the closed form
-// Energy that was taken from the hand beyond the stored energy is remembered up to this.
+constexpr double kRounding = 1e-9;  // relative rounding error of the closed form
+// Largest energy beyond the stored one that the scale remembers as taken from the hand.
 constexpr double kMaxSurplus_J = 0.05;
 
-// The greatest s in [0, max_scale] with |a + s b| <= limit; 0 if there is none.
+// The largest s in [0, max_scale] with |a + s b| <= limit; 0 if there is none.
 double ScaleWithin(const Vector3& a, const Vector3& b, double limit, double max_scale) OSTEON_RT {
   const double bb = b.squaredNorm(), ab = a.dot(b);
   const double room = limit * limit * (1.0 + kRounding) - a.squaredNorm();
@@ -42,7 +42,7 @@ double GuidanceScale::ProposeScale(const GuidanceField& field, const Pose& X_WT,
   work_J_ = 0.5 * Power(F_field_T_W_, dx);
 
   double scale = field.inside ? max_scale : std::min(max_scale, scale_ + dt_s / kRise_s);
-  const double price_J = work_J_ + potential_J_;  // energy that the whole field would need
+  const double price_J = work_J_ + potential_J_;  // energy that the field would need at scale 1
   if (price_J > 0.0) scale = std::min(scale, std::max(0.0, -energy_before_J_ / price_J));
   return scale;
 }

@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kMaxCentre_m = 10.0;  // largest accepted coordinate of the centre, in magnitude
 
-// Refers an inertia or drag that is diagonal at C to To, in T: A^T diag(linear, angular) A, A = [1 -c×; 0 1].
-// @param c  from To to C
+// Converts an inertia or drag that is diagonal at C to the 6x6 matrix at To, in T: A^T diag(linear, angular)
+// A with A = [1 -c×; 0 1].
+// @param c  vector from To to C, in T
 Matrix6 AtOrigin(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix3 c_cross;
   c_cross << 0.0, -c.z(), c.y(), c.z(), 0.0, -c.x(), -c.y(), c.x(), 0.0;
@@ -92,7 +93,7 @@ bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twis
   const Matrix3 R_WT = input.X_WT.linear();
   const Vector3& c = params.centre_T_m;
   const bool at_origin = c.isZero(0.0);
-  // velocity and wrench in T, then at C
+  // express velocity and wrench in T, then refer them to C
   Twist V_T{.v = R_WT.transpose() * V_WT.v, .w = R_WT.transpose() * V_WT.w};
   Wrench F_T{.f = R_WT.transpose() * F_T_W.f, .t = R_WT.transpose() * F_T_W.t};
   if (!at_origin) {
@@ -100,7 +101,7 @@ bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twis
     F_T.t -= c.cross(F_T.f);
   }
 
-  // one implicit step of three axes; a locked axis gets its given velocity
+  // One implicit step of three axes. A locked axis gets the velocity given for it.
   const auto step = [&](const Vector3& v, const Vector3& f, const Vector3& m, const Vector3& b,
                         const Vector3& held, std::size_t first) -> Vector3 {
     Vector3 v_next;
@@ -124,7 +125,7 @@ bool NextTwist(const AdmittanceParams& params, const NextTwistInput& input, Twis
 Pose IntegratePose(const Pose& X_WT, const Twist& V_WT, double dt_s) OSTEON_RT {
   Pose X_next = Pose::Identity();
   X_next.translation() = X_WT.translation() + dt_s * V_WT.v;
-  // the quaternion's normalisation removes the rounding error that accumulates in the rotation
+  // converting to a normalised quaternion removes the rounding error that would accumulate in the rotation
   const Matrix3 R = ExpRotation(dt_s * V_WT.w) * X_WT.linear();
   X_next.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
   return X_next;

@@ -8,9 +8,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kMaxHandTorque_Nm = 100.0;  // a larger hand torque is scaled to this
-// Time constant with which sight_age_s_ decays. Long compared with a frame, so that the speed limit does not
-// follow the age within each frame.
+constexpr double kMaxHandTorque_Nm = 100.0;  // a larger torque of the hand is scaled down to this
+// Time constant with which sight_age_s_ decays. It is long compared with the time between two frames, so that
+// the speed limit does not rise and fall with every frame.
 constexpr double kSightMemory_s = 0.1;
 
 }  // namespace
@@ -31,7 +31,7 @@ AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPi
                                         CommandedTool& tool) OSTEON_RT {
   AdmittanceStep step;
   step.rendered = coupling.Render(tool.arm(), step.acting);
-  // vibration in the hand makes the virtual tool heavier and more damped
+  // vibration in the hand's wrench increases the virtual tool's mass and damping
   step.vibration.index = vibration_.Step(input.F_hand_T_W, input.spindle_rad_per_s);
   step.vibration.reference_N = vibration_.reference_N();
   tool.V_WT = AfterMassChange(tool.V_WT, vibration_.mass_factor() / mass_factor_);
@@ -55,8 +55,8 @@ AdmittanceStep AdmittanceRenderer::Step(const AdmittanceInput& input, CouplingPi
   return step;
 }
 
-// Computes the law's next velocity, and scales the rendered wrench so that its power to the hand stays within
-// the limit. Returns false if the velocity would not be finite.
+// Computes the law's next velocity. Scales the rendered wrench so that its power to the hand stays within the
+// limit. Returns false if the velocity would not be finite.
 bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const CommandedTool& tool,
                                       CouplingPipeline& coupling, AdmittanceStep& step,
                                       Twist& V_next_WT) OSTEON_RT {
@@ -82,7 +82,8 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   };
   if (!next_twist(1.0, V_next_WT)) return false;
 
-  // the wrench changes the velocity, and thereby its own power; the velocity is affine in the wrench
+  // The wrench changes the velocity, and thus its own power. As the velocity depends on the wrench's scale
+  // linearly plus a constant, two velocities are sufficient to find the scale.
   if (!(fade * Power(rendered.F, V_next_WT) > params_.energy.max_power_W)) return true;
   Twist V_free_WT;
   const bool finite = next_twist(0.0, V_free_WT);
@@ -93,9 +94,10 @@ bool AdmittanceRenderer::ComputeTwist(const AdmittanceInput& input, const Comman
   return finite && next_twist(1.0, V_next_WT);
 }
 
-// Speed limit: the cell's, or that at which the tool moves by model_sight_m within the contact model's age.
-// The latter slows the tool no harder than a stop does. If the simulation stalls while the tool is fast, the
-// tool therefore moves beyond the known contacts for a moment, until the model's age holds it.
+// Speed limit of the tool: the smaller of the cell's limit and the speed at which the tool moves by
+// model_sight_m within the contact model's age. The second limit falls at most at the deceleration of a stop.
+// If the simulation stalls while the tool is fast, the tool may therefore move farther than model_sight_m for
+// a moment; then the fade by the model's age stops it.
 double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, const Twist& V_WT,
                                             bool reduced_speed) OSTEON_RT {
   const double dt_s = params_.period_s;
@@ -106,8 +108,8 @@ double AdmittanceRenderer::MaxSpeed_m_per_s(const CouplingOutput& coupling, cons
   return std::min(ToolSpeedLimit_m_per_s(params_, reduced_speed), std::max(sight_m_per_s, braked_m_per_s));
 }
 
-// Limits the velocity by speed, bone entry and workspace. With locked axes the tool slows down at a bound
-// instead of sliding along it.
+// Limits the velocity by the speed limit, the limit of bone entry and the workspace. At a bound of the
+// workspace, a tool with locked axes slows down instead of sliding along the bound.
 Twist AdmittanceRenderer::LimitMotion(const Twist& V_next_WT, double max_speed_m_per_s,
                                       const CouplingPipeline& coupling, const CommandedTool& tool,
                                       safety::LimitSet& acting) const OSTEON_RT {
@@ -121,8 +123,9 @@ Twist AdmittanceRenderer::LimitMotion(const Twist& V_next_WT, double max_speed_m
   const safety::Workspace::Result inside = tool.workspace().Limit(p_WT, slow.V.v, params_.period_s);
   acting.Add(Limit::kWorkspace, inside.acted);
   if (!inside.acted || !axis_lock_.any()) return {.v = inside.v_WT, .w = slow.V.w};
-  // sliding along the bound could leave a locked line, so scale the whole velocity: the factor that removes
-  // as much toward the bound as the workspace did is 1 - |removed|² / (v · removed)
+  // With locked axes, sliding along the bound could leave a locked line. Therefore scale the whole velocity.
+  // The factor 1 - |removed|² / (v · removed) reduces the velocity toward the bound by as much as the
+  // workspace removed.
   const Vector3 removed = slow.V.v - inside.v_WT;
   const double along = slow.V.v.dot(removed);
   const double share = along > 0.0 ? std::max(0.0, 1.0 - removed.squaredNorm() / along) : 0.0;

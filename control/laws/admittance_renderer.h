@@ -11,19 +11,19 @@
 
 namespace osteon::control {
 
-/// Inputs of the admittance law in a tick, beside the coupling wrench that CouplingPipeline has evaluated.
+/// Inputs of the admittance law in a tick. The coupling's wrench comes from CouplingPipeline.
 struct AdmittanceInput {
   Wrench F_hand_T_W;              ///< hand's wrench on T at To, in W
   double sensor_fade{1.0};        ///< factor on the hand's wrench by its age, 0 … 1
-  double max_hand_N{0.0};         ///< a larger hand force is scaled to this
-  double spindle_rad_per_s{0.0};  ///< actual speed
+  double max_hand_N{0.0};         ///< a larger force of the hand is scaled down to this
+  double spindle_rad_per_s{0.0};  ///< actual speed of the spindle
   bool reduced_speed{false};      ///< the arm is in operation mode T1 or reports no mode
 };
 
 /// Vibration in the hand's wrench, and how it changes the virtual tool.
 struct VibrationRecord {
   double index{0.0};  ///< 0 … 1
-  /// RMS force up to which vibration counts as the hand's own.
+  /// RMS force up to which vibration is regarded as the hand's own tremor.
   double reference_N{0.0};
   double mass_factor{1.0}, damping_factor{1.0};  ///< factors on the virtual tool's inertia and drag
 };
@@ -31,7 +31,7 @@ struct VibrationRecord {
 /// Result of a tick of the admittance law.
 struct AdmittanceStep {
   bool finite{true};                          ///< false: the result was not finite, and nothing was moved
-  safety::Fault fault{safety::Fault::kNone};  ///< the joints could not follow; nothing was moved
+  safety::Fault fault{safety::Fault::kNone};  ///< set if the joints could not follow; nothing was moved then
   safety::LimitedWrench rendered;             ///< coupling wrench that was integrated
   safety::LimitSet acting;                    ///< limits that acted
   VibrationRecord vibration;
@@ -42,9 +42,10 @@ struct AdmittanceStep {
 ///     M a + D v = F_hand + F_coupling    M, D scaled by the vibration index and the stabilisers
 ///     → power limit → tool speed, bone entry, workspace, locked axes → differential inverse → command
 ///
-/// An old contact model slows the motion down. With s the coupling's fade by age, the hand's force counts as
-/// s F and the coupling's as s F_c (EvaluateCoupling), and the tool moves by s v dt. At s = 0 the tool is
-/// held, however hard the hand pushes, so that an unknown contact force cannot create energy.
+/// An old contact model slows the motion down. Let s be the coupling's fade by age. The law gets s F of the
+/// hand's force F and s F_c of the coupling's force F_c (EvaluateCoupling), and the tool moves by s v dt. At
+/// s = 0 the tool does not move, however hard the hand pushes, so that an unknown contact force cannot create
+/// energy.
 class AdmittanceRenderer {
  public:
   /// @param params  the loop's parameters; gains in them may change between ticks. Must outlive this object.
@@ -72,7 +73,7 @@ class AdmittanceRenderer {
   VibrationIndex vibration_;
   AxisLock axis_lock_;
   double mass_factor_{1.0};  // factor on the virtual tool's mass in the last tick
-  double sight_age_s_{0.0};  // peak age of recent contact models, slowly decaying
+  double sight_age_s_{0.0};  // peak of the contact model's age, which decays slowly (MaxSpeed_m_per_s)
 };
 
 }  // namespace osteon::control

@@ -18,7 +18,7 @@ Vector3 Within(const Vector3& v, double max_norm) {
 
 AxisLock::AxisLock(const AdmittanceParams& params, double period_s)
     : centre_T_m_(params.centre_T_m),
-      // at a period longer than kReturn_s the tool returns in one tick, without overshoot
+      // if the period is longer than kReturn_s, the deviation is removed in one tick, without overshoot
       return_s_(std::max(kReturn_s, period_s)),
       any_(std::any_of(params.locked.begin(), params.locked.end(), [](bool locked) { return locked; })) {
   for (int i = 0; i < 3; ++i) {
@@ -34,7 +34,7 @@ Twist AxisLock::Correction(const Pose& X_WT) OSTEON_RT {
   const Pose X_WC = X_WT * Eigen::Translation3d(centre_T_m_);
 
   // The reference stands still on locked axes and follows the tool on free axes. turn_C and to_reference_W
-  // lead from the tool to the reference.
+  // are rotation and displacement from the tool to the reference.
   const Vector3 turn_C = turn_.cwiseProduct(LogRotation(X_WC.linear().transpose() * X_WC_.linear()));
   if (!turn_.isOnes(0.0)) X_WC_.linear() = X_WC.linear() * ExpRotation(turn_C);
   const Matrix3 R_W = X_WC_.linear();

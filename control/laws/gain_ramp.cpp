@@ -32,7 +32,8 @@ bool GainRamp::Step(bool pressed) OSTEON_RT {
   VisitGains(now_, [&](const char*, const char*, const char*, double& value) {
     const bool rising_spring = &value == &now_.max_stiffness_N_per_m && to[i] > value;
     if (value != to[i] && !(rising_spring && pressed)) {
-      // the last step may be longer by a rounding error, so that the ramp needs no further step for it
+      // The last step may exceed the largest step by a rounding error: otherwise the ramp would need a
+      // further step.
       value = std::abs(to[i] - value) <= (1.0 + 1e-6) * max_step_[i]
                   ? to[i]
                   : value + std::copysign(max_step_[i], to[i] - value);

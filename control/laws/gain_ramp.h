@@ -11,10 +11,10 @@ namespace osteon::control {
 ///
 /// Each gain moves linearly to its target within kRampSeconds. Two rules apply:
 ///
-/// - The coupling's stiffness **rises only while nothing presses** (no plane is penetrated). If the stiffness
-///   of a spring compressed by d rises by dK, the spring stores dK d^2 / 2 more than was put in; at d = 0
-///   this is zero. A spring that gets softer stores less. So the spring never returns more energy than was
-///   put in (test StiffnessNeverMakesEnergy).
+/// - The coupling's stiffness **rises only while no plane is penetrated**. If the stiffness of a spring that
+///   is compressed by d rises by dK, the spring stores dK d^2 / 2 more energy than was put in; at d = 0 this
+///   is zero. If a spring gets softer, it stores less. So the spring never returns more energy than was put
+///   in (test StiffnessNeverMakesEnergy).
 /// - When mass and inertia change, the loop changes the velocity by AfterMassChange, so that kinetic energy
 ///   never grows.
 ///
@@ -23,7 +23,7 @@ class GainRamp {
  public:
   static constexpr double kRampSeconds = 1.0;
 
-  /// @param begin  acting gains at first  @param period_s  period of Step, > 0
+  /// @param begin  the acting gains at the beginning @param period_s  period of Step, > 0
   GainRamp(const Gains& begin, double period_s) : now_(begin), target_(begin), period_s_(period_s) {}
 
   /// Sets the target gains. @pre valid gains

@@ -9,7 +9,8 @@ namespace osteon::control {
 
 /// Gains that may change while the loop renders. Plain data; read the laws' defaults with GainsOf.
 struct Gains {
-  PlainVector3 mass_kg, inertia_kg_m2;  ///< of the virtual tool, for each axis of T, at its centre
+  /// mass and inertia of the virtual tool at its centre, for each axis of T
+  PlainVector3 mass_kg, inertia_kg_m2;
   PlainVector3 damping_Ns_per_m, damping_Nms_per_rad;
   double dead_zone_N{0.0}, dead_zone_Nm{0.0};
   double max_stiffness_N_per_m{0.0}, coupling_damping_Ns_per_m{0.0}, damping_share{0.0};
@@ -41,8 +42,8 @@ inline constexpr std::size_t kGainCount = 17;
 /// Writes the gains into the laws' parameters; other parameters are unchanged.
 void ApplyGains(const Gains& gains, AdmittanceParams& admittance, CouplingParams& coupling) OSTEON_RT;
 
-/// @throws std::invalid_argument naming the field, the value and what is accepted: the same as Validate of
-/// the laws' parameters.
+/// @throws std::invalid_argument naming the field, the value and what is accepted: the same ranges as in
+///   Validate of the laws' parameters
 void Validate(const Gains& gains);
 
 }  // namespace osteon::control

@@ -4,20 +4,21 @@
 #include "kinematics/spatial.h"
 
 // The impedance law, for an arm whose own controller runs impedance control. It computes a wrench that is
-// added to that of the arm's controller, and integrates nothing.
+// added to the wrench of the arm's controller. It does not integrate a motion.
 
 namespace osteon::control {
 
 /// Tuning of the impedance law. Every field has a usable default.
 struct ImpedanceParams {
-  Vector3 damping_Ns_per_m{10.0, 10.0, 10.0};  ///< for each axis of T, in addition to the arm's own; >= 0
+  /// damping for each axis of T, in addition to the arm's own damping; >= 0
+  Vector3 damping_Ns_per_m{10.0, 10.0, 10.0};
   Vector3 damping_Nms_per_rad{0.5, 0.5, 0.5};
-  /// Gain of the brake against the part of the tool's twist that is not allowed (speed limit, workspace). A
-  /// brake is needed because the hand moves the arm: a command cannot scale its motion.
+  /// Gain of the brake against the part of the tool's twist that speed limit or workspace do not allow. A
+  /// brake is needed because the hand moves the arm, so that no command can scale the motion.
   double brake_Ns_per_m{250.0}, brake_Nms_per_rad{5.0};
   double twist_filter_s{0.002};  ///< time constant of the first-order filter on the measured velocity; >= 0
-  /// Time constant with which the equilibrium of the arm's own spring follows the measured position; > 0. If
-  /// that spring has the stiffness K, the hand feels a damping of K follow_s.
+  /// Time constant with which the equilibrium of the arm's own spring follows the measured position; > 0. The
+  /// hand then feels the damping K follow_s, with the stiffness K of that spring.
   double follow_s{0.005};
 };
 
@@ -27,7 +28,7 @@ void Validate(const ImpedanceParams& params);
 /// Returns the parameters with damping multiplied; the brake is unchanged.
 [[nodiscard]] ImpedanceParams ScaleLaw(const ImpedanceParams& params, double damping_factor) OSTEON_RT;
 
-/// Computes the tool's velocity from its measured poses: the difference of two poses over time
+/// Computes the tool's velocity from its measured poses: the difference of two poses divided by the time
 /// (TwistBetween), then a first-order filter.
 class MeasuredTwist {
  public:
@@ -52,7 +53,8 @@ class MeasuredTwist {
 ///
 ///     F = -D V + B (V_allowed - V)
 ///
-/// D is diagonal in T, B isotropic. If V_allowed is a shortened V, the wrench removes energy.
+/// V is the tool's twist, V_allowed the part of it that the limits allow, D the damping (diagonal in T) and B
+/// the brake's gain (isotropic). If V_allowed is V times a factor of at most 1, the wrench removes energy.
 [[nodiscard]] Wrench DampingWrench(const ImpedanceParams& params, const Matrix3& R_WT, const Twist& V_WT,
                                    const Twist& V_allowed_WT) OSTEON_RT;
 

@@ -11,8 +11,8 @@ namespace {
 
 using safety::Fault, safety::Limit;
 
-// A tool that is slower than this counts as standing still. Its joints may still swing: only the arm's own
-// damping stops that.
+// A tool that is slower than this counts as standing still. The arm's joints may still swing; only the arm's
+// own damping can stop that.
 constexpr double kToolStands_m_per_s = 5e-3, kToolStands_rad_per_s = 0.5;
 
 }  // namespace
@@ -31,7 +31,8 @@ ImpedanceMotion ImpedanceRenderer::FollowHand(const ArmSession& arm, const Joint
   max.max_speed_m_per_s = ToolSpeedLimit_m_per_s(params_, reduced_speed);
   safety::LimitedTwist slow = safety::LimitTwist(tool.V_WT, max);
   motion.twist_limited = slow.share < 1.0;
-  // scale the joints' step to one period: it is longer if messages were lost
+  // Joint positions one period before the measured ones. If messages were lost, q_before_ is older, so
+  // interpolate.
   JointArray q_step = q_meas;
   for (std::size_t i = 0; i < q_step.size(); ++i)
     q_step[i] -= (dt_s / elapsed_s) * (q_meas[i] - q_before_[i]);
@@ -60,7 +61,8 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
   const Twist& V_WT = tool.V_WT;
   safety::LimitedWrench& rendered = step.rendered;
   rendered = coupling.Render(tool.arm(), step.acting);
-  // the hand moves the arm: the velocity in the next tick is extrapolated from the last two measured ones
+  // The hand moves the arm, so the next tick's velocity is unknown. Extrapolate it from the last two measured
+  // ones.
   const Twist V_next_WT{.v = 2.0 * V_WT.v - V_before_WT.v, .w = 2.0 * V_WT.w - V_before_WT.w};
   const double max_power_W = params_.energy.max_power_W;
   coupling.LimitPower(std::min(safety::PowerScale(rendered.F, V_WT, max_power_W),
@@ -79,8 +81,8 @@ ImpedanceStep ImpedanceRenderer::Step(const ArmSession& arm, const Twist& V_befo
 bool ImpedanceRenderer::Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
                               CommandedTool& tool) OSTEON_RT {
   tool.V_WT = arm.V_WT();
-  // a stop is `braking_ticks` ticks of braking, then kStandingMessages ticks in a row in which the tool
-  // stands
+  // A stop consists of `braking_ticks` ticks of braking, then kStandingMessages ticks in a row in which the
+  // tool stands still.
   const int braking_ticks = JointStopTicks(params_),
             total_ticks = braking_ticks + ArmSession::kStandingMessages;
   const bool stands =

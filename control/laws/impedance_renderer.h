@@ -12,7 +12,7 @@
 
 namespace osteon::control {
 
-/// Measured motion of the arm that the hand moves, and how much of it is allowed.
+/// Limits on the measured motion of an arm that the hand moves.
 struct ImpedanceMotion {
   Twist V_allowed_WT;  ///< part of the tool's twist within speed limit, zones and workspace
   bool twist_limited{false}, workspace_limited{false};
@@ -26,11 +26,13 @@ struct ImpedanceStep {
   safety::LimitSet acting;         ///< limits that acted
 };
 
-/// Renders by the impedance law. The arm carries its own weight and goes where the hand moves it, so there is
-/// no commanded pose: coupling, speed limit and workspace refer to the measured pose. The wrench is sent as
-/// FRI's overlay, on T or as joint torques Jᵀ F. The commanded joints are the equilibrium of the arm's own
-/// spring and follow the measured joints. Beyond the tool's speed limit and at the workspace's bounds the
-/// tool is braked; at 1.5 times the speed limit, or outside the workspace, the cell stops.
+/// Renders by the impedance law. The arm's own controller compensates the arm's weight, and the hand moves
+/// the arm. There is no commanded pose: coupling, speed limit and workspace refer to the measured pose.
+///
+/// - The wrench is sent as FRI's overlay: as a wrench on T, or as joint torques Jᵀ F.
+/// - The commanded joints are the equilibrium of the arm's own spring and follow the measured joints.
+/// - Beyond the tool's speed limit and at the workspace's bounds, the tool is braked. At 1.5 times the speed
+///   limit, or outside the workspace, the cell stops.
 class ImpedanceRenderer {
  public:
   /// @param params  the loop's parameters; gains in them may change between ticks. Must outlive this object.
@@ -55,14 +57,14 @@ class ImpedanceRenderer {
                                    const ImpedanceMotion& motion, CouplingPipeline& coupling,
                                    const CommandedTool& tool) OSTEON_RT;
 
-  /// One tick of a stop. The arm's own spring holds its present position, and remaining motion is braked for
-  /// the duration of a joint stop. The stop goes on while a hand moves the tool.
-  /// @returns true once the tool is measured to stand
+  /// One tick of a stop. The equilibrium of the arm's own spring stays where it is, and the remaining motion
+  /// is braked for the duration of a joint stop. The stop lasts as long as a hand moves the tool.
+  /// @returns true once by measurement, the tool stands still
   [[nodiscard]] bool Brake(const ArmSession& arm, const safety::WrenchLimiter& limiter,
                            CommandedTool& tool) OSTEON_RT;
 
-  /// Writes this tick's wrench into the command, as a wrench or as joint torques, as the arm's program asks;
-  /// zero if nothing was rendered.
+  /// Writes this tick's wrench into the command, as a wrench or as joint torques, whichever command mode the
+  /// arm's program requests. Writes zero if nothing was rendered.
   void FillWrenchOverlay(const ArmState& state, const Pose& X_WT_meas, const ArmFollower& arm,
                          ArmCommand& command) const OSTEON_RT;
 
@@ -71,7 +73,8 @@ class ImpedanceRenderer {
   JointArray q_before_{};  // [rad] measured in the previous message
   Wrench F_sent_T_W_;      // wrench of this tick: coupling, damping and brake, limited
   StopBrake stop_brake_;
-  int stop_ticks_{0};  // ticks of the present stop; back to the end of braking when the tool moves
+  int stop_ticks_{0};  // ticks of the present stop; when the tool moves after the braking, reset to the end
+                       // of the braking
 };
 
 }  // namespace osteon::control

@@ -6,10 +6,11 @@
 
 namespace osteon::control {
 
-/// The brake of a stop under the impedance law: damping and brake toward standstill, with their gains
-/// multiplied by a scale. The wrench acts through the arm's delay, so gains that suit a tool held by a hand
-/// make a free tool oscillate. The scale is therefore halved each time the tool reverses its motion, and does
-/// not grow again until the next stop. The arm's own spring and damping stop the remaining motion.
+/// The brake of a stop under the impedance law: the law's damping and brake toward zero velocity, with both
+/// gains multiplied by a scale. The wrench acts after the arm's delay. Gains that are stable for a tool in a
+/// hand can therefore make a free tool oscillate. Each time the tool reverses its motion, the scale is
+/// halved; it does not grow again until the next stop. The arm's own spring and damping stop the remaining
+/// motion.
 class StopBrake {
  public:
   /// Begins a stop.

@@ -11,16 +11,16 @@ namespace osteon::control {
 /// The twist multiplied by a factor.
 [[nodiscard]] Twist Scaled(const Twist& V, double share) OSTEON_RT;
 
-/// Displacement between two poses that differ by less than a degree: the difference of position, and the
-/// rotation as a vector in W. The rotation is the skew part of the rotation matrix, which is 5e-5 too short
-/// at a degree.
+/// Displacement between two poses that differ by less than a degree: the difference of the positions, and the
+/// rotation as a vector in W. The rotation vector is taken from the skew part of the rotation matrix: at one
+/// degree it is too short by a relative error of 5e-5.
 [[nodiscard]] Twist SmallStep(const Pose& X_from, const Pose& X_to) OSTEON_RT;
 
-/// f·v + t·w: power of a wrench in a twist, or its work in a small displacement (SmallStep).
+/// f·v + t·w: the power of a wrench at a twist, or its work over a small displacement (SmallStep).
 [[nodiscard]] double Power(const Wrench& F, const Twist& V) OSTEON_RT;
 
-/// Velocity that leads from one pose to another within dt_s: the difference of position, and the logarithm of
-/// the rotation, over dt_s.
+/// Velocity that leads from one pose to another within dt_s: the difference of the positions and the
+/// logarithm of the relative rotation, both divided by dt_s.
 [[nodiscard]] Twist TwistBetween(const Pose& X_before, const Pose& X, double dt_s) OSTEON_RT;
 
 }  // namespace osteon::control

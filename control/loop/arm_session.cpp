@@ -7,12 +7,12 @@
 namespace osteon::control {
 namespace {
 
-// A longer gap between two messages counts as this many periods in the measured velocity.
+// For the measured velocity, a longer gap between two messages counts as this many periods.
 constexpr double kMaxPeriods = 10.0;
 // A joint that is slower counts as standing still. The limit is above an encoder's step per period, and below
 // the speed of a coasting arm.
 constexpr double kStands_rad_per_s = 0.02;
-constexpr double kSamePeriod_s = 1e-6;  // a smaller difference of two periods counts as none
+constexpr double kSamePeriod_s = 1e-6;  // periods that differ by less are the same
 constexpr std::uint8_t kT1 = 0;         // value of ArmState::operation_mode for T1
 
 }  // namespace

@@ -9,9 +9,10 @@
 
 namespace osteon::control {
 
-/// State of the connection to the arm, derived from its messages: whether the arm takes commands, whether it
-/// has stayed in the activation in which motion began, its measured pose and velocity, whether it stands, and
-/// how many messages were missed. An activation is one period in COMMANDING_ACTIVE (ArmState::activation).
+/// State of the connection to the arm, derived from the arm's messages: whether the arm takes commands,
+/// whether it has stayed in the activation in which motion began, its measured pose and velocity, whether it
+/// stands still, and how many messages in a row were missed. An activation is one stay in COMMANDING_ACTIVE
+/// (ArmState::activation).
 class ArmSession {
  public:
   explicit ArmSession(const ServoParams& params);
@@ -21,17 +22,19 @@ class ArmSession {
   bool OnMissedMessage() OSTEON_RT;
   /// Call with each message whose joint positions are finite. @param X_WT  tool pose at the measured joints
   void OnMessage(const ArmState& state, const Pose& X_WT, rt::Nanoseconds now) OSTEON_RT;
-  /// Counts messages in a row in which the arm stood. Call at the end of each tick with a message.
+  /// Counts the messages in a row in which the arm stood still. Call at the end of each tick that has a
+  /// message.
   void UpdateStandstill(const JointArray& q_meas) OSTEON_RT;
 
   /// Whether the arm takes commands.
-  /// @param moves  the loop moves or brakes the arm: then false also if the arm has left COMMANDING_ACTIVE
-  /// and come back since motion began
+  /// @param moves  whether the loop moves or brakes the arm. If so, the result is also false if the arm has
+  ///   left COMMANDING_ACTIVE and returned since motion began
   [[nodiscard]] bool TakesCommands(const ArmState& state, bool moves) const OSTEON_RT;
-  /// Whether the arm has stayed in the activation in which motion began. It is then still at the last
-  /// command, while its interpolator reports the position at which commanding began.
+  /// Whether the arm has stayed in the activation in which motion began. If so, the arm is still at the
+  /// loop's last command, although its interpolator reports the position at which the activation began.
   [[nodiscard]] bool IsSameActivation(const ArmState& state) const OSTEON_RT;
-  /// Whether the arm's message period equals the loop's period, by which each tick advances.
+  /// Whether the arm's message period equals the loop's period. Each tick advances the loop's time by that
+  /// period.
   [[nodiscard]] bool HasPeriod(const ArmState& state) const OSTEON_RT;
   /// Whether the arm's program asks for the kind of command that the law sends: a wrench or torque overlay
   /// for the impedance law, positions alone for the admittance law.
@@ -44,8 +47,8 @@ class ArmSession {
   /// Sets the measured velocity to zero at the last measured pose. Call when rendering begins.
   void ResetTwist() OSTEON_RT { twist_.Reset(X_WT_); }
 
-  /// Call when another tool is in use: the measured pose becomes the new tool's, at rest.
-  /// @param X_TN  the new tool's frame in the old one's
+  /// Call after a change of tool. The measured pose becomes that of the new tool, at rest.
+  /// @param X_TN  pose of the new tool's frame in the old tool's frame
   void ChangeTool(const Pose& X_TN) OSTEON_RT {
     X_WT_ = X_WT_ * X_TN;
     twist_.Reset(X_WT_);
@@ -61,7 +64,7 @@ class ArmSession {
   [[nodiscard]] double elapsed_s() const OSTEON_RT { return elapsed_s_; }
   /// Time of the tick with the last message; 0: none yet.
   [[nodiscard]] rt::Nanoseconds measured_at() const OSTEON_RT { return measured_at_; }
-  /// Whether the arm stood in each of the last kStandingMessages messages.
+  /// Whether the arm stood still in each of the last kStandingMessages messages.
   [[nodiscard]] bool stands() const OSTEON_RT { return standing_ == kStandingMessages; }
 
   static constexpr int kStandingMessages = 10;
@@ -74,12 +77,12 @@ class ArmSession {
   rt::Nanoseconds measured_at_{0};
   double elapsed_s_{0.0};
   JointArray q_seen_{};          // [rad] measured in the previous message
-  int standing_{0}, missed_{0};  // messages in a row: in which the arm stood; that were missed
+  int standing_{0}, missed_{0};  // numbers of messages in a row: with a standing arm; missed
   std::uint32_t activation_{0};
-  bool commanded_{false};  // motion began in activation_, and the arm has not been seen to leave it
+  bool commanded_{false};  // motion began in activation_, and no message has shown another activation since
 };
 
-/// Whether the arm is in operation mode T1, in which it is slow, or reports no mode.
+/// Whether the tool's speed must be reduced: the arm is in operation mode T1, or reports no mode.
 [[nodiscard]] bool HasReducedSpeed(const ArmState& state) OSTEON_RT;
 
 /// Largest difference between the positions of the same joint in two arrays [rad].

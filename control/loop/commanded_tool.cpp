@@ -6,7 +6,8 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;  // a slower braked tool is at rest
+// at a smaller speed, a braked tool is at rest
+constexpr double kRest_m_per_s = 1e-9, kRest_rad_per_s = 1e-9;
 
 }  // namespace
 
@@ -39,7 +40,8 @@ FollowedTwist CommandedTool::FollowTwist(double max_elbow_speed_m_per_s, bool el
                                               .elbow_moves = elbow_moves});
   if (followed.fault != safety::Fault::kNone) return {.fault = followed.fault};
   if (followed.limited || followed.zone_acted || followed.elbow_acted) {
-    // the law continues from the motion that the arm made; the correction is faded as the motion is
+    // The law continues from the motion that the arm has made. The correction is multiplied by the fade, like
+    // the motion.
     V_WT.v += fade * (followed.V_WT.v - V_asked_WT.v);
     V_WT.w += fade * (followed.V_WT.w - V_asked_WT.w);
   }
@@ -51,12 +53,13 @@ FollowedTwist CommandedTool::FollowTwist(double max_elbow_speed_m_per_s, bool el
 
 BrakingStep CommandedTool::Brake(double max_elbow_speed_m_per_s) OSTEON_RT {
   if (arm_->braking_joints()) return {.at_rest = BrakeJoints()};
-  // one factor for the whole twist: the longer braking time of translation and rotation counts
+  // The whole twist is scaled by one factor. The braking time is the longer one of translation and rotation.
   const double dt_s = params_.period_s;
   const double time_s = std::max(V_WT.v.norm() / params_.stop_deceleration_m_per_s2,
                                  V_WT.w.norm() / params_.stop_deceleration_rad_per_s2);
   V_WT = Scaled(V_WT, time_s > dt_s ? 1.0 - dt_s / time_s : 0.0);
-  // if the rotation takes longer to stop than the translation, the apex still stops before its bound
+  // If the rotation needs longer to stop than the translation, the apex brakes more slowly: it must still
+  // stop before its bound.
   V_WT.v = workspace_.Limit(X_WT().translation(), V_WT.v, dt_s).v_WT;
   if (V_WT.v.norm() < kRest_m_per_s && V_WT.w.norm() < kRest_rad_per_s) return {.at_rest = true};
   const FollowedTwist followed = FollowTwist(max_elbow_speed_m_per_s, false);

@@ -19,12 +19,13 @@ struct FollowedTwist {
   /// kInverseKinematics or kJointLimit if the joints could not follow; nothing has moved then.
   safety::Fault fault{safety::Fault::kNone};
   bool joints_limited{false};  ///< joint limits, reach or a singular posture reduced the motion
-  safety::LimitSet acting{};   ///< those of zones and elbow speed that acted
+  safety::LimitSet acting{};   ///< limits kZones and kElbowSpeed, if they acted
 };
 
 /// Result of a tick of braking.
 struct BrakingStep {
-  safety::Fault fault{safety::Fault::kNone};  ///< as FollowedTwist::fault; the joints are braked nevertheless
+  /// as FollowedTwist::fault; the joints are then braked along their last motion
+  safety::Fault fault{safety::Fault::kNone};
   bool at_rest{false};
   safety::LimitSet acting{};
 };
@@ -32,19 +33,21 @@ struct BrakingStep {
 /// The commanded state: joint positions, tool pose and tool velocity. The pose is always that of the
 /// commanded joints.
 ///
-/// With the admittance law, V_WT is the law's velocity of T at To, in W, and the tool moves by fade × V_WT.
-/// With the impedance law, while the loop renders, V_WT is the measured velocity, and the commanded joints
-/// are the equilibrium of the arm's own spring.
+/// With the admittance law, V_WT is the law's velocity of T at To, in W, and the tool moves with fade × V_WT.
+/// With the impedance law, V_WT is the measured velocity while the loop renders, and the commanded joints are
+/// the equilibrium of the arm's own spring.
 class CommandedTool {
  public:
   CommandedTool(const ServoParams& params, std::unique_ptr<ArmFollower> arm);
 
-  /// Sets the command to the position that the arm commands itself; the tool rests. Used while the loop does
-  /// not command the arm. In an idle session the joints stay, because an idle arm may report no position.
+  /// Sets the command to the position that the arm's own interpolator commands, or else to the measured one,
+  /// at rest. Used while the loop does not command the arm. In an idle session the joints stay unchanged,
+  /// because an idle arm may report no position.
   void ResetToArmPose(const ArmState& state) OSTEON_RT;
   /// Sets the commanded velocities to zero; the joints stay.
   void HoldStill() OSTEON_RT;
-  /// Takes another entry of the arm's table of tools: the joints stay, the pose becomes that tool's, at rest.
+  /// Selects an entry of the table of tools. The joints stay unchanged; the pose becomes that of the tool, at
+  /// rest.
   void SelectTool(std::size_t index) OSTEON_RT {
     HoldStill();
     arm_->SelectTool(index);

@@ -9,19 +9,19 @@
 
 namespace osteon::control {
 
-/// Gains that another thread requests, and the ramp on which the ticks reach them.
+/// Receives gains that another thread requests, and moves the acting gains to them along a ramp.
 class GainRequests {
  public:
-  /// @param gains  gains at the beginning; no request may exceed their coupling stiffness
+  /// @param gains  gains at the beginning; their coupling stiffness is the largest one that may be requested
   GainRequests(const Gains& gains, double period_s);
 
-  /// Requests other gains. A later request replaces one that no tick has taken yet. From one thread, not the
-  /// tick's.
+  /// Requests other gains. If no tick has taken the previous request yet, the new one replaces it. Call from
+  /// one thread only, not from the tick's.
   /// @throws std::invalid_argument naming the field, the value and what is accepted.
   void Request(const Gains& gains);
 
-  /// Takes a request made since the last tick into the tick's input and as the ramp's new target, then
-  /// advances the ramp by one tick.
+  /// If gains were requested since the last tick, stores them in the tick's input and makes them the ramp's
+  /// target. Then advances the ramp by one tick.
   /// @param pressed  whether a plane is penetrated  @returns whether gains() have changed
   [[nodiscard]] bool Step(bool pressed, TickInput& input) OSTEON_RT;
 
@@ -34,8 +34,8 @@ class GainRequests {
     Gains gains;
   };
   rt::LatestValue<Requested> requested_;
-  std::uint64_t requests_{0};     ///< made so far; belongs to the requesting thread
-  std::uint64_t taken_{0};        ///< last request that a tick has taken
+  std::uint64_t requests_{0};     ///< number of requests so far; used only by the requesting thread
+  std::uint64_t taken_{0};        ///< number of the last request that a tick has taken
   double max_stiffness_N_per_m_;  ///< largest coupling stiffness that may be requested
   GainRamp ramp_;
 };

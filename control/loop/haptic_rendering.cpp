@@ -11,7 +11,7 @@ namespace {
 
 using safety::CellEvent, safety::Fault;
 
-constexpr double kMinSpeedRatio = 0.05;  // a spindle below this fraction of its set speed counts as still
+constexpr double kMinSpeedRatio = 0.05;  // below this fraction of its set speed, the spindle counts as still
 
 }  // namespace
 
@@ -60,18 +60,20 @@ void HapticRendering::Step(const TickInputs& tick) OSTEON_RT {
     RenderAdmittance(tick);
 }
 
-// Reads the spindle's actual speed and the PLC's permission for it, and applies the event of its state.
+// Reads the spindle's actual speed and the PLC's permission for the spindle. Applies the event "spindle
+// turns" or "spindle still".
 void HapticRendering::UpdateSpindle(const CellReadings& readings) OSTEON_RT {
   spindle_permitted_ = !params_.has_interlock || readings.interlock.spindle_permitted;
   const double command_rad_per_s = SpindleCommand_rad_per_s();
   const double speed = params_.has_spindle ? readings.spindle.speed_rad_per_s : command_rad_per_s;
-  // only a positive direction counts: the tool's edges cut in no other
+  // only a positive speed counts, because the tool's edges cut in that direction only
   spindle_rad_per_s_ =
       std::isfinite(speed) && speed > kMinSpeedRatio * params_.spindle_rad_per_s ? speed : 0.0;
   actions_.ApplyEvent(spindle_rad_per_s_ > 0.0 ? CellEvent::kSpindleTurns : CellEvent::kSpindleStill);
 }
 
-// Computes the hand's and the coupling's wrench, and runs all checks on both. @returns the hand's wrench
+// Computes the wrenches of hand and coupling, and runs the checks on them and on the devices. @returns the
+// hand's wrench
 Wrench HapticRendering::EvaluateContact(const TickInputs& tick, const ToolMotion& motion) OSTEON_RT {
   const Wrench F_hand_T_W = motion_checks_.MeasureHand(tick.readings.force);
   const CouplingOutput& coupling = coupling_.Evaluate({.model = tick.model,
@@ -155,14 +157,15 @@ void HapticRendering::RenderImpedance(const TickInputs& tick) OSTEON_RT {
   StepCompliance(tick.model);
 }
 
-// Ends rendering because of a fault that was found before this tick rendered a wrench.
+// Ends rendering because of a fault that was found before the tick rendered a wrench.
 void HapticRendering::Stop(const ArmState& state) OSTEON_RT {
   result_.F_coupling_T_W = coupling_.limited().F;
   actions_.ApplyFault();
   actions_.Brake(HasReducedSpeed(state), result_.acting);
 }
 
-// Lets tool, tissue and the bone's mount give way to the wrench that was rendered.
+// Advances the compliant parts (tool, tissue, the bone's mount) with the rendered wrench, and checks their
+// limits.
 void HapticRendering::StepCompliance(const simulation::ContactModel& model) OSTEON_RT {
   coupling_.StepCompliance(model, result_.acting);
   const Compliance* compliance = coupling_.compliance();
@@ -173,8 +176,8 @@ void HapticRendering::StepCompliance(const simulation::ContactModel& model) OSTE
   if (over_deflected || too_deep) actions_.ApplyFault();
 }
 
-// Stores the rendered wrench of either law, and updates the statistics. The stored fractions cover all limits
-// from the coupling to the arm.
+// Stores the rendered wrench and updates the statistics. The stored fractions include all limits from the
+// coupling to the arm.
 void HapticRendering::StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT {
   result_.rendered = true;
   result_.F_coupling_T_W = rendered.F;

@@ -18,8 +18,8 @@
 
 namespace osteon::control {
 
-/// Haptic rendering by the law in use: begins it, computes its ticks with all their checks, and brakes out of
-/// it for a pause.
+/// Haptic rendering by the cell's law: begins rendering, computes its ticks with all checks, and brakes for a
+/// pause.
 ///
 ///     CellReadings, ContactModel ─▶ hand, coupling ─▶ checks ─▶ law ─▶ CommandedTool, TickResult
 class HapticRendering {
@@ -41,17 +41,19 @@ class HapticRendering {
   };
   explicit HapticRendering(const Parts& parts);
 
-  /// Begins rendering from the arm's present pose, with all that renders at rest.
+  /// Begins rendering at the arm's present pose. Coupling, law and checks begin in their initial state, at
+  /// rest.
   void Start(const TickInputs& tick) OSTEON_RT;
   /// Computes one tick of rendering. A fault ends rendering, and the tick brakes instead.
   void Step(const TickInputs& tick) OSTEON_RT;
-  /// Brakes in stop 2. Until the tool is at rest, any fault that would end rendering turns this stop into a
-  /// stop 1.
+  /// One tick of braking in stop 2. A fault of devices, hand or engine that is found before the tool is at
+  /// rest turns this stop into a stop 1.
   void BrakeForPause(const TickInputs& tick) OSTEON_RT;
-  /// Call after a change of tool: coupling and law begin anew at the new tool's pose.
+  /// Call after a change of tool. Coupling and law begin anew at the new tool's pose.
   void OnToolChanged() OSTEON_RT;
 
-  /// Actual speed of the spindle as of the last Step: measured if there is a drive. 0 if it counts as still.
+  /// Actual speed of the spindle as of the last Step: measured if the cell has a drive, else the commanded
+  /// speed. 0 if the spindle counts as still.
   [[nodiscard]] double spindle_rad_per_s() const OSTEON_RT { return spindle_rad_per_s_; }
   /// Speed that the spindle is to have in the cell's present state.
   [[nodiscard]] double SpindleCommand_rad_per_s() const OSTEON_RT;
@@ -72,8 +74,8 @@ class HapticRendering {
   void Stop(const ArmState& state) OSTEON_RT;
   void StoreRendered(const safety::LimitedWrench& rendered, double speed_m_per_s) OSTEON_RT;
   void StepCompliance(const simulation::ContactModel& model) OSTEON_RT;
-  /// Time between the tool poses of this and the previous coupling. While messages are lost, a commanded tool
-  /// stands, whereas a measured tool moves on.
+  /// Time between the tool poses at which the coupling was evaluated in this and in the previous tick. While
+  /// messages are lost, a commanded tool stands still, but a measured tool moves.
   [[nodiscard]] double CouplingStep_s() const OSTEON_RT {
     return params_.law == Law::kImpedance ? session_.elapsed_s() : params_.period_s;
   }

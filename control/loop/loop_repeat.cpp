@@ -7,7 +7,8 @@
 namespace osteon::control {
 namespace {
 
-// Whether two values, made of doubles without padding, are equal bit for bit. A NaN equals itself.
+// Whether two values of a type that consists of doubles without padding are equal bit for bit. A NaN is equal
+// to the same NaN.
 template <class T>
 bool HasSameBits(const T& a, const T& b) OSTEON_RT {
   static_assert(sizeof(T) % sizeof(double) == 0);
@@ -19,7 +20,7 @@ bool HasSameBits(const T& a, const T& b) OSTEON_RT {
 TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                       ArmCommand& command) OSTEON_RT {
   const TickInput& in = recorded.input;
-  // recordings without cell states come from a loop that needed no permission to start
+  // A recording without cell states comes from a loop that needed no permission to start.
   if (recorded.cell_state != kNoCellState)
     loop.AllowStart(safety::MotionPermits(recorded.permits).Has(safety::MotionPermit::kPathChecked));
   if (in.stop) loop.RequestStop();

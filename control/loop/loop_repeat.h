@@ -12,18 +12,19 @@ namespace osteon::control {
 TickRecord ReplayTick(ServoLoop& loop, const TickRecord& recorded, const simulation::ContactModel& model,
                       ArmCommand& command) OSTEON_RT;
 
-/// Computes each tick a second time, shortly before the next message: a second loop with the same parameters
-/// gets the inputs that the first loop recorded (as `osteon replay` does). This has two purposes:
+/// Computes each tick a second time, shortly before the next message. A second loop with the same parameters
+/// gets the inputs that the first loop has recorded, as in `osteon replay`. This has two purposes:
 ///
-/// - Error detection: both results must be equal bit for bit. A difference means a fault of the computer
-///   (memory, heat) or a read from a wrong place in memory. An error common to both loops is not detected.
-/// - Warm caches: the next tick finds its code, tables and branch history in the processor and is answered in
-///   half the time. Otherwise a shared processor may evict them within a millisecond.
+/// - Error detection: both results must be equal bit for bit. A difference means a hardware fault (memory,
+///   heat) or a read of invalid memory. An error that both loops have in common is not detected.
+/// - Warm caches: code, tables and branch history of the next tick are still in the processor, so that it
+///   takes half the time. Without this, other programs on a shared processor may evict them within a
+///   millisecond.
 ///
-/// Needs every tick from the first on. For one thread.
+/// Every tick must be repeated, from the first on. For one thread.
 class LoopRepeat {
  public:
-  /// @param second  must have computed no tick, and must not be used elsewhere from now on
+  /// @param second  must not have computed a tick yet; must not be used elsewhere from now on
   explicit LoopRepeat(ServoLoop& second) : second_(second) {}
 
   /// Stores a recorded tick of the first loop, and the contact model that it was given.

@@ -18,7 +18,7 @@ class LoopRequests {
   void RequestStop() OSTEON_RT { stop_.store(true, std::memory_order_relaxed); }
   void RequestRecovery() OSTEON_RT { recovery_.store(true, std::memory_order_relaxed); }
   void RequestPause() OSTEON_RT { pause_.store(true, std::memory_order_relaxed); }
-  /// @param index  of the loop's table of tools
+  /// @param index  index in the loop's table of tools
   void RequestTool(int index) OSTEON_RT { tool_.store(index, std::memory_order_relaxed); }
   void RequestResume() OSTEON_RT { resume_.store(true, std::memory_order_relaxed); }
 
@@ -27,11 +27,11 @@ class LoopRequests {
     if (!std::isnan(gain)) guidance_gain_.store(std::clamp(gain, 0.0, 1.0), std::memory_order_relaxed);
   }
 
-  /// As ServoLoop's functions of these names. From the tick's thread.
+  /// See ServoLoop's functions of the same names. Call from the tick's thread.
   void ReportDifference() OSTEON_RT { differed_ = true; }
   void ReportRecorder() OSTEON_RT { recorder_stalled_ = true; }
 
-  // For the tick. A stop request stays set; each of the other requests is returned once.
+  // For the tick. A stop request stays set; any other request is returned only once.
   [[nodiscard]] bool may_start() const OSTEON_RT { return may_start_.load(std::memory_order_relaxed); }
   [[nodiscard]] bool stop() const OSTEON_RT { return stop_.load(std::memory_order_relaxed); }
   /// Returns the index of the tool that was requested since the last call, and clears the request; -1: none.

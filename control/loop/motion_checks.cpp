@@ -30,13 +30,14 @@ void MotionChecks::CheckMotion(const ArmState& state, bool overloaded) OSTEON_RT
     return;
   const double error_m = (session.X_WT().translation() - tool.X_WT().translation()).norm();
   statistics.peak_tracking_error_m = std::max(statistics.peak_tracking_error_m, error_m);
-  // under the impedance law the arm is compliant: a hand may displace it while nothing is rendered
+  // Under the impedance law, a hand may displace the compliant arm while nothing is rendered: this is no
+  // fault.
   const bool compliant = params.law == Law::kImpedance && !safety::IsMotion(cell);
   if (!compliant && !(error_m <= params.max_tracking_error_m)) supervisor.Latch(Fault::kTracking);
   if (state.safety_state != 0 && !paused) supervisor.Latch(Fault::kSession);
   if (overloaded && !paused) supervisor.Latch(Fault::kJointLimit);
   if (supervisor.faults().Any() && !safety::Renders(cell))
-    actions.ApplyFault();  // while rendering, HapticRendering applies it after its own checks
+    actions.ApplyFault();  // while rendering, HapticRendering applies the fault after its own checks
   if (supervisor.stop_requested()) actions.ApplyEvent(CellEvent::kStopRequested);
   if (supervisor.TakePauseRequest()) actions.ApplyEvent(CellEvent::kPauseRequested);
 }

@@ -14,11 +14,11 @@
 
 namespace osteon::control {
 
-/// Runs the checks that the cell's state asks for while the arm moves or brakes, latches the faults that they
-/// find, and ends the motion. HapticRendering runs the checks that belong to rendering alone.
+/// Runs the checks for the cell's present state while the arm moves or brakes. Latches the faults that they
+/// find, and ends the motion. HapticRendering runs the checks that are needed only while rendering.
 class MotionChecks {
  public:
-  /// The loop's parts that are checked, and those that keep what was found. References must outlive this
+  /// The loop's parts that are checked, and those that store the results. References must outlive this
   /// object.
   struct Parts {
     const ServoParams& params;
@@ -37,18 +37,19 @@ class MotionChecks {
   /// of its own.
   /// @param active  whether the arm takes commands
   void CheckArmSpeed(const ArmState& state, bool active) OSTEON_RT;
-  /// Ends a motion if the arm is too far from its command, has stopped by itself, or has overloaded joints,
-  /// or if a stop or a pause was requested.
-  /// @param overloaded  the joints' load is about to exceed what they can hold
+  /// Ends a motion if the arm is too far from its command, has stopped by itself, or is about to overload its
+  /// joints, or if a stop or a pause was requested.
+  /// @param overloaded  whether the joints' load is about to exceed what they can hold
   void CheckMotion(const ArmState& state, bool overloaded) OSTEON_RT;
   /// Checks sensor, spindle and hand on the path to the start. Nothing is rendered there, so the model's age
   /// is not checked; without the PLC's permission the path is paused (MotionStart::StepPath).
   void CheckOnPath(const TickInputs& tick) OSTEON_RT;
-  /// Checks hand and sensor while the arm brakes to rest. Spindle and PLC are not checked: they are stopping
-  /// as well.
+  /// Checks hand and sensor while the arm brakes to rest. The drive and the PLC are not checked, because the
+  /// spindle is being stopped and the request for motion is withdrawn.
   void CheckInStop(const TickInputs& tick) OSTEON_RT;
-  /// Computes the hand's wrench on T at To, in W, and checks it. The result keeps it if it is finite.
-  /// @returns zero if no reading can be trusted
+  /// Computes the hand's wrench on T at To, in W, and checks it. If it is finite, stores it in the tick's
+  /// result.
+  /// @returns the hand's wrench; zero if there is no valid reading
   Wrench MeasureHand(const ForceReading& reading) OSTEON_RT;
 
  private:

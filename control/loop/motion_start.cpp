@@ -15,7 +15,7 @@ bool MotionStart::UpdateSession(const ArmState& state) OSTEON_RT {
   } else if (supervisor.state() == CellState::kPaused ||
              (safety::Waits(supervisor.state()) &&
               (supervisor.phase() != Phase::kStopped || !tool.has_pose()))) {
-    // if the arm is stopped before its first message, its first measured pose is held
+    // If the loop was stopped before the arm's first message, the first reported pose becomes the command.
     if (session.IsSameActivation(state))
       tool.HoldStill();
     else
@@ -24,7 +24,7 @@ bool MotionStart::UpdateSession(const ArmState& state) OSTEON_RT {
   if (supervisor.stop_requested() && supervisor.IsWaitingOrPaused())
     actions.ApplyEvent(CellEvent::kStopRequested);
   if (active && supervisor.phase() != Phase::kStopped && !session.HasPeriod(state)) {
-    // the tool's speed is wrong if the arm's period differs from the loop's
+    // If the arm's period differs from the loop's, the tool would move at a wrong speed.
     supervisor.Latch(Fault::kPeriod);
     actions.ApplyEvent(CellEvent::kArmLost);
   }
@@ -35,7 +35,8 @@ bool MotionStart::UpdateSession(const ArmState& state) OSTEON_RT {
   return active;
 }
 
-// Sets the command to the pose that the arm itself commands. Used while the arm rests or moves by itself.
+// Sets the command to the position that the arm's own interpolator commands. Used while the loop does not
+// command the arm.
 void MotionStart::FollowArm(const ArmState& state) OSTEON_RT {
   parts_.tool.ResetToArmPose(state);
   parts_.session.StopCommanding();
@@ -85,7 +86,7 @@ void MotionStart::StartPath(const TickInputs& tick) OSTEON_RT {
   checks.OnMotionStarted(tick.now);
   hand.ResetMotion(session.X_WT());
   if (supervisor.on_path()) return;
-  // no path: the arm stands outside the range of positions that may be commanded
+  // There is no path, because the arm stands outside the range of positions that may be commanded.
   actions.StopWith(Fault::kJointLimit);
   actions.FinishStop();
 }

@@ -15,18 +15,19 @@ namespace osteon::control {
 
 /// The values that a start of motion depends on, beside a tick's inputs and the loop's parts.
 struct StartInput {
-  // StartConditions explains each field.
+  // struct StartConditions describes the fields.
   double max_force_N{0.0};
   bool may_start{true};
   bool arm_overloaded{false};
   rt::Nanoseconds withdrawn_at{StartConditions::kNeverWithdrawn};
 };
 
-/// How motion begins: the arm's session, the conditions of motion, and the path to the start.
+/// Begins motion: follows the arm's session, evaluates the conditions of motion, and moves the arm along the
+/// path to the start.
 ///
-/// In a tick with a message, call UpdateSession, then StartIfPermitted, then StepPath while the supervisor is
-/// on the path. The latter two return true in the tick in which rendering begins; the caller then resets what
-/// renders.
+/// In a tick with a message, call UpdateSession, then StartIfPermitted, then, while the supervisor is on the
+/// path, StepPath. StartIfPermitted and StepPath return true in the tick in which rendering begins; the
+/// caller then calls HapticRendering::Start.
 class MotionStart {
  public:
   /// The loop's parts that a start changes. References must outlive this object.
@@ -41,11 +42,12 @@ class MotionStart {
   };
   explicit MotionStart(const Parts& parts) : parts_(parts) {}
 
-  /// Updates the loop's view of the arm's session, and ends motion if the session ended.
+  /// Updates command and state according to the arm's session. Ends motion if the arm has left
+  /// COMMANDING_ACTIVE.
   /// @returns whether the arm takes commands
   [[nodiscard]] bool UpdateSession(const ArmState& state) OSTEON_RT;
-  /// Evaluates the conditions of motion. Once all hold, starts the path to the start, or rendering from the
-  /// arm's present pose.
+  /// Evaluates the conditions of motion. Once all hold, begins the path to the start, or, if the arm is at
+  /// the start or has rendered before, rendering from the arm's present pose.
   /// @returns whether rendering begins
   [[nodiscard]] bool StartIfPermitted(const TickInputs& tick, const StartInput& input) OSTEON_RT;
   /// Advances the path to the start by one step. The path is paused while the PLC withholds its permission,

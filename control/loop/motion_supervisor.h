@@ -8,11 +8,11 @@
 
 namespace osteon::control {
 
-/// The cell's state machine: the only place where an event changes the state, by safety::kCellTable. Also
-/// holds the latched faults, the conditions of motion, and the pending requests.
+/// The cell's state machine. It alone changes the state, according to safety::kCellTable. It also stores the
+/// latched faults, the conditions of motion, and the pending requests.
 ///
 /// Each tick derives events from its inputs, most severe first, and applies them. Apply returns the action of
-/// the transition; the caller carries it out, and so begins or ends a motion.
+/// the transition. The caller carries the action out, which may begin or end a motion.
 class MotionSupervisor {
  public:
   /// Applies an event to the state. If the transition's action is kClearFaults, clears the latched faults.
@@ -23,15 +23,15 @@ class MotionSupervisor {
   void Latch(safety::FaultSet faults) OSTEON_RT { faults_.Latch(faults); }
 
   void SetPermits(safety::MotionPermits permits) OSTEON_RT { permits_ = permits; }
-  /// Sets whether the command follows the path to the start.
+  /// Sets whether the commanded motion is the path to the start.
   void SetOnPath(bool on_path) OSTEON_RT { on_path_ = on_path; }
-  /// Call when rendering begins. From then on the loop takes no path to the start any more.
+  /// Call when rendering begins. After that, the loop does not move the arm to the start again.
   void SetRendered() OSTEON_RT { rendered_ = true; }
 
   /// Sets whether an orderly stop is requested in this tick.
   void SetStopRequested(bool asked) OSTEON_RT { stop_requested_ = asked; }
-  /// Stores a pause request (`asked`), until TakePauseRequest. Drops it in a state without motion that does
-  /// not wait for motion either.
+  /// If `asked`, stores a pause request until TakePauseRequest. In a state that neither moves nor waits for
+  /// motion, drops the request.
   void RequestPause(bool asked) OSTEON_RT;
   /// Returns whether a pause request is stored, and clears it.
   [[nodiscard]] bool TakePauseRequest() OSTEON_RT;
@@ -68,7 +68,7 @@ class MotionSupervisor {
   safety::FaultSet faults_;
   safety::MotionPermits permits_;
   bool stop_requested_{false}, pause_requested_{false};
-  bool on_path_{false};                  // the command follows the path to the start
+  bool on_path_{false};                  // the commanded motion is the path to the start
   bool rendered_{false}, moved_{false};  // has ever rendered; has ever moved the arm
 };
 

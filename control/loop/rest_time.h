@@ -6,14 +6,16 @@
 
 namespace osteon::control {
 
-/// Decides when a stopped loop may end, so that its recording shows the arm at rest for a while.
+/// Decides when a stopped loop may end. The loop continues for a while, so that its recording shows the arm
+/// at rest.
 ///
-/// Rest begins with the first stopped tick that is not in stop 0. In stop 0 the arm is not under control, and
-/// the state lasts until the arm is measured to stand. If that never happens (a silent arm), the loop ends
-/// after kMaxTimes the rest time.
+/// Rest begins with the first tick in Phase::kStopped whose state is not stop 0. In stop 0 the arm is not
+/// under control; this state lasts until the arm, by measurement, stands still. If that never happens,
+/// because the arm sends no messages, the loop ends after kMaxTimes × the rest time.
 class RestTime {
  public:
-  static constexpr int kMaxTimes = 4;  ///< longest time after the first stopped tick, in rest times
+  /// longest time after the first stopped tick, as a multiple of the rest time
+  static constexpr int kMaxTimes = 4;
 
   /// @param rest  rest time: how long the loop still runs after rest has begun, >= 0; 0: it ends at once
   explicit RestTime(rt::Nanoseconds rest) : rest_(rest) {}

@@ -10,8 +10,8 @@
 namespace osteon::control {
 namespace {
 
-// Times before the next message [ns]. kRepeatsBefore: when the previous tick is repeated. kTooLateBefore:
-// from then on it is not repeated any more.
+// The previous tick is repeated from kRepeatsBefore until kTooLateBefore ahead of the next message [ns]. If
+// the thread wakes later, the tick is not repeated before that message.
 constexpr rt::Nanoseconds kRepeatsBefore = 200'000, kTooLateBefore = 60'000;
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
@@ -60,14 +60,15 @@ class ServoRun {
  private:
   [[nodiscard]] bool has_message() const { return received_ == ReceiveResult::kOk; }
 
-  // One tick: receives, computes, answers; then hands the tick on to the simulation and to its repetition.
+  // One tick: receives a message, computes, answers. Then passes the tool's pose to the simulation, and the
+  // tick to its repetition.
   void AnswerMessage() {
     received_ = ports_.link.Receive(state_, rt::MonotonicNow() + deadline_);
     woken_ = rt::MonotonicNow();
     const CellReadings readings = ports_.devices.Exchange(loop_.cell_commands(), woken_);
     const simulation::ContactModel& model = ports_.simulation.Load();
-    // The clock is read after the inputs. If this thread stands still meanwhile (a virtual machine's CPU
-    // may), a value that arrives during that time must not have a stamp in the future.
+    // The clock is read after the inputs, so that no input has a stamp in the future. Otherwise, if a virtual
+    // machine's CPU stood still between clock and inputs, an input could be newer than `now`.
     const rt::Nanoseconds now = rt::MonotonicNow();
     const bool could_recover = loop_.CanRecover();
     const safety::FaultSet faults_before = loop_.faults();
@@ -82,20 +83,20 @@ class ServoRun {
     answered_ = rt::MonotonicNow();
     ports_.simulation.Store(loop_.tool_command());
     if (repeat_) {
-      ReplayIfDue(loop_, *repeat_);  // if there was no time before the message
+      ReplayIfDue(loop_, *repeat_);  // only if there was no time for it before the message
       repeat_->StoreTick(record_, model);
     }
     due_ = has_message() ? state_.stamp + ToNanoseconds(state_.period_s) : 0;
   }
 
-  // While the loop waits, passes the measured joints on (RunServoParams::standing).
+  // While the loop waits for motion, stores the measured joints in RunServoParams::standing.
   void ReportStandingArm() {
     if (params_.standing && has_message() && loop_.phase() == Phase::kWaiting &&
         state_.session != SessionState::kIdle)
       params_.standing->Store({.known = true, .q = state_.q_meas});
   }
 
-  // Records the tick's durations. Only a message that arrived has a wake-up.
+  // Records the tick's durations. A tick without a message has no wake-up time.
   void MeasureTick() {
     ++result_.ticks;
     record_.compute_ns = answered_ - woken_;
@@ -112,14 +113,14 @@ class ServoRun {
       params_.rendered_s->store(rt::ToSeconds(state_.stamp - active_since_), std::memory_order_relaxed);
   }
 
-  // Gives the tick to the recorder, and reports to the loop if the recorder is behind.
+  // Gives the tick to the recorder, and tells the loop if the recorder cannot keep up.
   void RecordTick() {
     const bool recorded = ports_.recorder.Push(record_);
     if (!recorded) ++result_.unrecorded;
     if (!recorded || ports_.recorder.Stalled()) loop_.ReportRecorder();
   }
 
-  // Whether the run is over. First begins its end if one of the conditions for that holds.
+  // Whether the run is over. First begins the run's end if a condition for the end holds.
   [[nodiscard]] bool IsOver() {
     if (received_ == ReceiveResult::kClosed) {
       End(RunEnd::kLinkClosed);
@@ -130,7 +131,8 @@ class ServoRun {
     held_at_ = -1;
     if (loop_.faults().Any()) End(RunEnd::kFault);
     if (!ending_ && (loop_.phase() == Phase::kAligning || loop_.state() == safety::CellState::kPaused))
-      give_up_at_ = woken_ + give_up_;  // aligning makes progress, and a pause is intended
+      // the time to give up does not run during a path to the start or a pause
+      give_up_at_ = woken_ + give_up_;
     if (params_.seconds > 0.0 && active_since_ >= 0 &&
         woken_ - active_since_ >= ToNanoseconds(params_.seconds))
       End(RunEnd::kSeconds);
@@ -153,7 +155,7 @@ class ServoRun {
     return true;
   }
 
-  // Whether a fault holds the loop until somebody requests the recovery. The time held does not count as
+  // Whether the loop waits at a fault until somebody requests the recovery. This time is not counted as
   // rendering.
   [[nodiscard]] bool HoldsAtFault() {
     if (ending_ || !params_.hold_at_fault || !safety::AllowsRecovery(loop_.faults())) return false;
@@ -163,11 +165,11 @@ class ServoRun {
     return true;
   }
 
-  // Begins the end of the run, once: requests an orderly stop and stores why.
+  // Begins the end of the run, unless it has begun: requests an orderly stop and stores the reason.
   void End(RunEnd why) {
     if (ending_) return;
     ending_ = true;
-    // a stop of a cell that is held at a fault does not turn the fault into an orderly end
+    // if somebody stops a cell that waits at a fault, the run's end is still the fault
     result_.end = why == RunEnd::kStopFlag && loop_.faults().Any() ? RunEnd::kFault : why;
     loop_.RequestStop();
     give_up_at_ = rt::MonotonicNow() + give_up_;
@@ -189,13 +191,15 @@ class ServoRun {
   rt::Nanoseconds woken_{0}, answered_{0};
 
   rt::Nanoseconds due_{0};         // time of the next message; 0: unknown
-  rt::Nanoseconds give_up_at_{0};  // time at which waiting, or the end, is given up
-  // first and last message that was answered while rendering or stopping; -1: none
+  rt::Nanoseconds give_up_at_{0};  // time at which waiting for rendering, or for rest at the end, is given up
+  // stamps of the first and the last message answered in COMMANDING_ACTIVE, except while waiting or on the
+  // path; -1: none
   rt::Nanoseconds active_since_{-1}, last_active_{-1};
-  rt::Nanoseconds held_at_{-1};  // time of the previous tick of a hold; -1: nothing is held
-  bool ending_{false};           // the stop is requested
-  bool waits_again_{false};      // after an automatic recovery, until the loop renders again
-  bool automatic_{false};        // the requested recovery is an automatic one
+  // time of the previous tick that waited at a fault; -1: the loop does not wait at a fault
+  rt::Nanoseconds held_at_{-1};
+  bool ending_{false};       // the stop is requested
+  bool waits_again_{false};  // true after an automatic recovery until the loop renders again
+  bool automatic_{false};    // the pending recovery was requested automatically
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ struct StandingArm {
   JointArray q{};  ///< [rad]
 };
 
-/// The loop's partners in wall time: it exchanges messages and data with them. References must outlive the
+/// The interfaces through which a loop in wall time exchanges messages and data. References must outlive the
 /// run.
 struct ServoPorts {
   ArmLink& link;
@@ -27,25 +27,29 @@ struct ServoPorts {
 };
 
 struct RunServoParams {
-  double deadline_s{0.005};  ///< longest wait for an arm message; later the message counts as missed
-  double seconds{10.0};      ///< time of rendering, then an orderly stop; 0: until stopped
-  double give_up_s{30.0};    ///< longest wait until rendering begins, and until the arm rests at the end
-  double at_rest_s{0.0};     ///< time for which the arm at rest is still answered and recorded (RestTime)
-  /// Set-up of the calling thread. A tick uses some 20 KiB of stack; the rest is for the functions it calls.
+  /// longest wait for a message of the arm; after that the message counts as missed
+  double deadline_s{0.005};
+  double seconds{10.0};    ///< time of rendering, after which the run stops in order; 0: runs until stopped
+  double give_up_s{30.0};  ///< longest wait until rendering begins, and until the arm rests at the end
+  /// time for which the loop still answers and records after the arm has come to rest (RestTime)
+  double at_rest_s{0.0};
+  /// Set-up of the calling thread. A tick uses some 20 KiB of stack; the prefaulted stack is larger, for the
+  /// functions that the tick calls.
   rt::RealtimeThreadParams thread{
       .priority = 80, .lock_memory = true, .keep_cpus_awake = true, .prefault_stack_bytes = 256 * 1024};
   int recoveries{0};  ///< largest number of automatic recoveries (ServoLoop::RequestRecovery)
-  /// After a fault that allows a recovery, the loop goes on at rest until somebody requests the recovery
-  /// (ServoLoop::RequestRecovery) or a stop; the time held does not count as rendering. False: the fault ends
-  /// the run.
+  /// True: after a fault that allows a recovery, the loop waits at rest until somebody requests the recovery
+  /// (ServoLoop::RequestRecovery) or a stop. This time is not counted as rendering. False: the fault ends the
+  /// run.
   bool hold_at_fault{false};
   /// Receives the arm's joint positions with each message while the loop waits. Writer: this thread.
   rt::LatestValue<StandingArm>* standing{nullptr};
-  /// Second loop, which computes each tick again (LoopRepeat). Made like the first; has computed no tick yet.
-  /// Null: no repetition.
+  /// Second loop, which computes each tick again (LoopRepeat). It must have the same parameters as the first,
+  /// and must not have computed a tick yet. Null: ticks are not repeated.
   ServoLoop* second{nullptr};
-  std::atomic<double>* rendered_s{nullptr};  ///< receives, each tick, the time rendered so far [s]
-  const std::atomic<bool>* stop{nullptr};    ///< orderly stop once true, e.g. set by a signal handler
+  std::atomic<double>* rendered_s{nullptr};  ///< receives in each tick the time rendered so far [s]
+  /// the run stops in order once this is true; e.g. set by a signal handler
+  const std::atomic<bool>* stop{nullptr};
 };
 
 enum class RunEnd : std::uint8_t {
@@ -61,9 +65,10 @@ struct RunServoResult {
   safety::FaultSet faults;
   ServoStatistics statistics;
   std::uint64_t ticks{0};
-  std::uint64_t unsent{0};        ///< answers that the system refused to send
-  int recovered{0};               ///< number of automatic recoveries
-  int operator_recoveries{0};     ///< number of recoveries that somebody requested during a hold
+  std::uint64_t unsent{0};  ///< answers that the system refused to send
+  int recovered{0};         ///< number of automatic recoveries
+  /// number of recoveries that somebody requested while the loop waited at a fault
+  int operator_recoveries{0};
   safety::FaultSet cleared;       ///< faults that recoveries have cleared
   std::uint64_t unrecorded{0};    ///< ticks that the recorder refused because it was full
   rt::RealtimeGrant thread;       ///< settings of the thread that the system granted
@@ -73,12 +78,12 @@ struct RunServoResult {
   rt::DurationHistogram period;
 };
 
-/// Runs the loop in wall time in the calling thread, paced by the arm's messages, until a RunEnd occurs; then
-/// stops the arm in order and keeps answering until it rests. Between first and last tick nothing is
-/// allocated and no lock taken, except by the ports.
+/// Runs the loop in wall time in the calling thread, one tick for each message of the arm, until a RunEnd
+/// occurs. Then stops the arm in order and answers its messages until it rests. Between the first and the
+/// last tick, only the ports may allocate memory or take locks.
 ///
-/// The measured wake-up latency depends on who sets ArmState::stamp: a stamp by the kernel includes the
-/// scheduler's delay, a stamp taken in user space does not.
+/// The measured wake-up latency depends on who sets ArmState::stamp. If the kernel sets it, the latency
+/// includes the scheduler's delay; if a program sets it, the latency does not.
 [[nodiscard]] RunServoResult RunServo(ServoLoop& loop, const ServoPorts& ports, const RunServoParams& params);
 
 }  // namespace osteon::control

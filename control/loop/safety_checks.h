@@ -12,15 +12,15 @@
 
 namespace osteon::control {
 
-/// Ages of a tick's inputs [s]; safety::kNoAge_s stands for an input that never came.
+/// Ages of a tick's inputs [s]. An input that never arrived has the age safety::kNoAge_s.
 struct InputAges {
   double model_s{0.0};   ///< age of the pose that the contact model was computed for
   double sensor_s{0.0};  ///< age of the force reading
 };
 
-/// Checks for conditions that must stop the cell: in the devices, the hand's force, the coupling and the arm.
-/// Each check returns the faults that it finds and moves nothing. MotionChecks and HapticRendering run
-/// those that a state asks for:
+/// Checks devices, hand's force, coupling and arm for conditions that must stop the cell. Each check returns
+/// the faults that it finds; it does not change the motion. MotionChecks and HapticRendering run the checks
+/// that each state needs (x):
 ///
 /// | the arm | sensor | spindle | interlock, model | hand | coupling | speed |
 /// |---|---|---|---|---|---|---|
@@ -34,11 +34,11 @@ class SafetyChecks {
   /// @throws std::invalid_argument naming the parameter, the value and what is accepted.
   SafetyChecks(const ServoParams& params, double max_force_N);
 
-  /// Call when motion starts. Gives each input its full time limit again to deliver a first value, and resets
-  /// the check of the spindle's torque.
+  /// Call when motion starts. Each input gets its full time limit again for its first value. Resets the check
+  /// of the spindle's torque.
   void OnMotionStarted(rt::Nanoseconds now) OSTEON_RT;
-  /// Call when rendering starts: as OnMotionStarted, and the growth of the coupling's force is then measured
-  /// from zero.
+  /// Call when rendering starts. Does the same as OnMotionStarted, and also resets the check of the
+  /// coupling's force, which then begins at zero.
   void OnRenderingStarted(rt::Nanoseconds now) OSTEON_RT;
 
   /// Checks the inputs' ages, the sensor, the spindle and the PLC's permission, while the cell renders or
@@ -48,16 +48,16 @@ class SafetyChecks {
   /// Checks that the force reading is recent, and that the sensor itself reports it as valid.
   [[nodiscard]] safety::FaultSet CheckSensor(const ForceReading& reading, double age_s,
                                              rt::Nanoseconds now) const OSTEON_RT;
-  /// Checks that the drive's reading is recent and without a fault, and that the torque is within its limits.
-  /// A cell without a drive has no faults here.
+  /// Checks that the drive's reading is recent and without a fault, and that torque and speed are within
+  /// their limits. In a cell without a drive, it finds no fault.
   [[nodiscard]] safety::FaultSet CheckSpindle(const SpindleReading& reading, rt::Nanoseconds now) OSTEON_RT;
   /// Checks that the hand's wrench on the tool is finite, and its force not too large.
   [[nodiscard]] safety::FaultSet CheckHand(const Wrench& F_hand_T_W) OSTEON_RT;
-  /// Checks the coupling's wrench before it is limited: finite, from a credible contact model, and growing no
-  /// faster than a real contact can make it (safety::WrenchRateTrip).
-  /// @param dt_s  time between the tool poses of this wrench and of the one checked before
+  /// Checks the coupling's wrench before it is limited. It must be finite, be computed from a credible
+  /// contact model, and grow no faster than a real contact allows (safety::WrenchRateTrip).
+  /// @param dt_s  time between the tool poses of this wrench and of the previously checked one
   [[nodiscard]] safety::FaultSet CheckCoupling(const CouplingOutput& coupling, double dt_s) OSTEON_RT;
-  /// Checks the measured speed of the tool. @param limit_m_per_s  speed limit that the loop keeps
+  /// Checks the measured speed of the tool. @param limit_m_per_s  speed limit that the commanded motion keeps
   [[nodiscard]] safety::FaultSet CheckArmSpeed(const ArmState& state, const Vector3& p_WT,
                                                double limit_m_per_s) OSTEON_RT;
   /// Call while the loop does not command the arm: its speed is not checked then.
@@ -75,9 +75,10 @@ class SafetyChecks {
   [[nodiscard]] double SensorFade(double age_s) const OSTEON_RT { return watchdog_.SensorFade(age_s); }
   /// The hand's force as of the last CheckHand with a finite wrench.
   [[nodiscard]] double hand_N() const OSTEON_RT { return hand_N_; }
-  /// Force of the hand beyond which CheckHand finds a fault.
+  /// Force of the hand above which CheckHand finds a fault.
   [[nodiscard]] double max_hand_N() const OSTEON_RT { return sensor_trip_.level_N(); }
-  /// Growth of the coupling's force found by the last CheckCoupling [N]; a turning force grows as well.
+  /// Growth of the coupling's force found by the last CheckCoupling [N]. A change of direction also counts as
+  /// growth.
   [[nodiscard]] double wrench_growth_N() const OSTEON_RT { return rate_trip_.growth_N(); }
   /// Largest growth of the coupling's force within dt_s that is no fault [N].
   [[nodiscard]] double max_wrench_growth_N(double dt_s) const OSTEON_RT {

@@ -138,9 +138,10 @@ TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_R
   if (tick.received != ReceiveResult::kOk) {
     OnMissedMessage(tick.received);
   } else if (!HasFiniteJoints(state)) {
-    supervisor_.Latch(Fault::kNotFinite);  // the arm's position is unknown: the last command is held
+    supervisor_.Latch(Fault::kNotFinite);  // the arm's position is unknown, so the last command is held
     supervisor_.SetPermits({});
-    // Such a message counts as missed: the arm is lost after several in a row, and brakes before that.
+    // Such a message counts as missed. After several in a row the arm is regarded as lost; the first one
+    // already stops the motion.
     actions_.ApplyEvent(session_.OnMissedMessage() ? CellEvent::kArmLost : CellEvent::kFault);
   } else {
     session_.OnMessage(state, tool_.arm().ToolPose(state.q_meas), tick.now);
@@ -154,7 +155,7 @@ TickRecord ServoLoop::Tick(const TickInputs& tick, ArmCommand& command) OSTEON_R
   return record;
 }
 
-// Records the tick's inputs, among them the requests made since the last tick, which are thereby taken.
+// Records the tick's inputs. Also records the requests made since the last tick, and clears them.
 TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
   const auto& [state, received, readings, model, now] = tick;
   supervisor_.SetStopRequested(requests_.stop());
@@ -169,11 +170,12 @@ TickRecord ServoLoop::RecordInputs(const TickInputs& tick) OSTEON_RT {
   return record;
 }
 
-// Changes the tool if that was requested and the loop is paused. The joints and the sensor's bias stay; what
-// belongs to the old tool's contact begins anew. The measured pose jumps with the tool, which is no motion.
+// Changes the tool if that was requested and the loop is paused. The joints and the sensor's bias stay
+// unchanged; coupling and law begin anew. The measured tool pose jumps, which is no motion, so the check of
+// the arm's speed is reset.
 void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
   const int index = requests_.TakeTool();
-  // before the first rendering the sensor's bias is still estimated, with the load of the tool that is on
+  // Before the first rendering, the sensor's bias is still being estimated with the present tool's load.
   const bool at_rest = state() == CellState::kPaused && supervisor_.rendered();
   if (tools_.IsOther(index) && at_rest) {
     const Pose X_TN = tools_.Select(index);
@@ -191,7 +193,7 @@ void ServoLoop::ApplyToolRequest(TickInput& input) OSTEON_RT {
 
 void ServoLoop::RequestGains(const Gains& gains) { gains_.Request(gains); }
 
-// Takes gains requested since the last tick, and moves all gains by one step of their ramp.
+// Takes the gains that were requested since the last tick, and advances the ramp of all gains by one step.
 void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
   if (!gains_.Step(coupling_.pressed(), input)) return;
   const AdmittanceParams before = params_.admittance;
@@ -201,7 +203,7 @@ void ServoLoop::StepGains(TickInput& input) OSTEON_RT {
     tool_.V_WT = AfterMassChange(before, params_.admittance, tool_.X_WT().linear(), tool_.V_WT);
 }
 
-// Applies the recorded requests. A stop, and a pause of a motion, are applied later in the tick
+// Applies the recorded requests. The requests to stop, and to pause a motion, are applied later in the tick
 // (MotionChecks::CheckMotion).
 void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recover && CanRecover()) actions_.ApplyEvent(CellEvent::kRecover);
@@ -214,8 +216,8 @@ void ServoLoop::ApplyRequests(const TickInput& input) OSTEON_RT {
   if (input.recorder_stalled) actions_.StopWith(Fault::kRecorder);
 }
 
-// Without a message there is nothing to answer: the last command stays, and the virtual tool does not move.
-// Several missed messages in a row, or a broken link, mean that the arm is lost.
+// A tick without a message. The last command stays, and the virtual tool does not move. After several missed
+// messages in a row, or if the link is broken, the arm is regarded as lost.
 void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
   supervisor_.SetPermits({});
   const bool booting = safety::Waits(state()) && received == ReceiveResult::kTimeout;
@@ -231,8 +233,8 @@ void ServoLoop::OnMissedMessage(ReceiveResult received) OSTEON_RT {
     actions_.ApplyEvent(CellEvent::kStopRequested);
 }
 
-// Processes a message with finite joint positions: checks the arm, applies the events that follow from it,
-// then moves the virtual tool as the cell's state demands.
+// Processes a message with finite joint positions: checks the arm, applies the resulting events, then moves
+// the virtual tool as the cell's state requires.
 void ServoLoop::ProcessArmMessage(const TickInputs& tick) OSTEON_RT {
   const ArmState& state = tick.state;
   const bool active = start_.UpdateSession(state);

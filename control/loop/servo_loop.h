@@ -51,30 +51,30 @@ namespace osteon::control {
 /// - off, checking, ready and recovery: the command follows the arm's own position. Motion begins only once
 ///   every condition of safety::MotionPermits holds in one tick. The virtual tool then starts from the
 ///   commanded joints, at rest and with the coupling faded out, so that nothing jumps. If the arm stayed in
-///   the same activation through a pause or a loss of messages, the last command is held, because the arm's
-///   interpolator still reports the position at which commanding began.
-/// - aligning: if the arm was handed over elsewhere, it moves to ServoParams::start along a joint path. The
+///   the same activation during a pause or a loss of messages, the last command is held instead, because the
+///   arm's interpolator still reports the position at which the activation began.
+/// - aligning: the arm was not handed over at ServoParams::start, and moves there along a joint path. The
 ///   path is paused while motion is not permitted. If the arm leaves COMMANDING_ACTIVE, the loop waits for it
-///   again. Once rendering has begun, the loop takes no path to the start any more.
+///   again. Once the loop has rendered, it does not move the arm to the start again.
 /// - haptic and cutting: the loop renders, with the spindle still or turning (HapticRendering).
-/// - stop 1 and stop 2: the commanded motion is braked, whichever state commanded it (CommandedTool::Brake,
+/// - stop 1 and stop 2: the motion of the previous state is braked (CommandedTool::Brake,
 ///   ImpedanceRenderer::Brake). Nothing is rendered, and the spindle is stopped. On the path to the start,
-///   the path's clock is braked.
-/// - stop 0: the arm takes no commands. The state ends once the arm is measured to stand.
+///   the path's clock is braked instead.
+/// - stop 0: the arm takes no commands. The state ends once the arm, by measurement, stands still.
 /// - paused and fault: the command is held; if the arm leaves COMMANDING_ACTIVE, the command follows it. Only
-///   RequestResume(), a recovery or a new loop ends these states. Under the impedance law a hand may displace
-///   a paused arm: this is no fault, but the arm cannot resume meanwhile.
+///   RequestResume(), a recovery or a new loop ends these states. Under the impedance law, a hand may
+///   displace a paused arm. This is no fault, but the loop cannot resume while the arm is displaced.
 ///
 /// **Checks** (SafetyChecks, run by MotionChecks and HapticRendering). The sensor's bias is estimated before
-/// the first motion, while the tool rests. Whenever the arm moves or brakes, hand and sensor are checked; on
-/// the path to the start and while rendering, the spindle as well.
+/// the first motion, while the tool rests. Hand and sensor are checked whenever the arm moves or brakes. The
+/// spindle is also checked on the path to the start and while rendering.
 ///
 /// **Motion.** After limiting, the virtual tool's state is set to the commanded motion, so the integrated
 /// pose never drifts from the commanded one. The joints follow the tool's twist (DifferentialInverse), and
 /// the commanded pose is that of the joints. At the end of the reach, at a singular posture or at a joint
-/// limit the tool therefore slides or slows down; none of these is a fault. The closed-form inverse
-/// kinematics guides the elbow: the arm angle is kept while the tool moves, and turned to the wanted angle.
-/// Once that has been reached, the elbow moves only while the tool does.
+/// limit, the tool therefore slides or slows down; none of these is a fault. The closed-form inverse
+/// kinematics guides the elbow: it keeps the arm angle while the tool moves, and turns it to the wanted
+/// angle. Once the wanted angle has been reached, the elbow moves only while the tool moves.
 class ServoLoop {
  public:
   /// @param X_WB robot base in world  @param X_FT tool on the flange  @param arm_angle_rad arm angle to be
@@ -88,8 +88,8 @@ class ServoLoop {
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
-  /// Gives the loop a table of tools and takes the one at `index`. Before the first tick; without it the
-  /// loop has the one tool that it was made with.
+  /// Gives the loop a table of tools, and selects the one at `index`. Call before the first tick. Without
+  /// this call, the loop has only the tool of its constructor.
   /// @throws std::invalid_argument naming the entry and what is wrong with it.
   void SetTools(std::vector<LoopTool> tools, int index);
 
@@ -98,16 +98,16 @@ class ServoLoop {
   /// @returns the tick's record
   TickRecord Tick(const TickInputs& tick, ArmCommand& command) OSTEON_RT;
 
-  /// Allows or forbids that a waiting arm begins to move; allowed at first. Forbidden e.g. while the path to
-  /// the start is being checked. From any thread.
+  /// Allows or forbids that a waiting arm begins to move. Allowed by default; forbidden e.g. while the path
+  /// to the start is being checked. From any thread.
   void AllowStart(bool allowed) OSTEON_RT { requests_.AllowStart(allowed); }
 
   /// Requests an orderly stop. From any thread, and from a signal handler.
   void RequestStop() OSTEON_RT { requests_.RequestStop(); }
 
-  /// Requests a new beginning after a stop that only the connection to the arm has caused (Fault::kSession,
-  /// kArmStale): the loop waits for the arm, then renders from the arm's present position. No effect after
-  /// other stops. From any thread.
+  /// Requests a recovery after a stop that only the connection to the arm has caused (Fault::kSession,
+  /// kArmStale). The loop then waits for the arm, and renders from the arm's present position. No effect
+  /// after other stops. From any thread.
   void RequestRecovery() OSTEON_RT { requests_.RequestRecovery(); }
   /// Requests an operator's pause: brakes to rest (stop 2) and holds, until RequestResume(). From any thread,
   /// and from a signal handler.
@@ -118,9 +118,9 @@ class ServoLoop {
   /// Requests another gain of the guidance, 0 … 1, from the next tick on; a value outside is clamped, one
   /// that is not a number is ignored. No effect without guidance. From any thread, and from a signal handler.
   void RequestGuidanceGain(double gain) OSTEON_RT { requests_.RequestGuidanceGain(gain); }
-  /// Requests another tool of the table. The next tick takes it if the loop is paused after it has rendered:
-  /// the joints stay, and coupling and law begin anew. In any other state, or with an unknown index, the
-  /// request has no effect. From any thread.
+  /// Requests another tool of the table. The next tick selects it if the loop is paused and has rendered
+  /// before. The joints stay unchanged; coupling and law begin anew. In any other state, or with an unknown
+  /// index, the request has no effect. From any thread.
   void RequestTool(int index) OSTEON_RT { requests_.RequestTool(index); }
   /// Index of the tool in use.
   [[nodiscard]] int tool_index() const OSTEON_RT { return tools_.index(); }
@@ -139,22 +139,22 @@ class ServoLoop {
   void Prefetch() const OSTEON_RT;
 
   /// Requests other gains. They are reached within GainRamp::kRampSeconds from the next tick on, without
-  /// creating energy. A later request replaces one that no tick has taken yet. From one thread, not the
-  /// tick's.
+  /// creating energy. If no tick has taken the previous request yet, the new one replaces it. Call from one
+  /// thread only, not from the tick's.
   /// @throws std::invalid_argument naming the field, the value and what is accepted. The coupling's stiffness
-  /// may be at most that at construction, because trips and simulation rely on it.
+  ///   may not exceed the value at construction, because trips and simulation are set up for that value.
   void RequestGains(const Gains& gains);
 
-  /// The tool pose that the simulation should follow: with the admittance law the commanded pose of the last
-  /// tick, with the impedance law the measured pose, stamped with the tick of its message. The stamp is 0,
-  /// and the pose invalid, until the arm has reported its position.
+  /// The tool pose for the simulation: with the admittance law the commanded pose of the last tick, with the
+  /// impedance law the measured pose, with the time of the tick that got its message. Until the arm has
+  /// reported its position, the stamp is 0 and the pose is invalid.
   [[nodiscard]] simulation::ToolCommand tool_command() const OSTEON_RT;
 
   /// Commands to the cell's devices.
   [[nodiscard]] CellCommands cell_commands() const OSTEON_RT;
 
   [[nodiscard]] safety::CellState state() const OSTEON_RT { return supervisor_.state(); }
-  /// The conditions of motion, as last evaluated. They are evaluated while the loop waits, is paused, or is
+  /// The conditions of motion, as evaluated last. They are evaluated while the loop waits, is paused, or is
   /// on the path to the start.
   [[nodiscard]] safety::MotionPermits permits() const OSTEON_RT { return supervisor_.permits(); }
   /// Phase of the run in the recording; follows from the state.
@@ -176,7 +176,8 @@ class ServoLoop {
   void FillCommand(const ArmState& state, ArmCommand& command) const OSTEON_RT;
   void FinishRecord(const ArmCommand& command, TickRecord& record) const OSTEON_RT;
 
-  ServoParams params_;  // the parts refer to these, so StepGains changes theirs as well
+  // the loop's parts refer to these, so a change by StepGains takes effect in all of them
+  ServoParams params_;
   LoopRequests requests_;
   MotionSupervisor supervisor_;
   ArmSession session_;
@@ -188,7 +189,7 @@ class ServoLoop {
   ServoStatistics statistics_;
   ToolTable tools_;
   GainRequests gains_;
-  TickResult result_;  ///< of this tick
+  TickResult result_;  ///< results of this tick
   StateActions actions_;
   MotionStart start_;
   MotionChecks motion_checks_;
@@ -196,7 +197,7 @@ class ServoLoop {
 
   std::uint64_t tick_{0};
   rt::Nanoseconds now_{0};
-  /// Last tick without a motion request.
+  /// Time of the last tick in which motion was not requested of the PLC.
   rt::Nanoseconds withdrawn_at_{StartConditions::kNeverWithdrawn};
 };
 

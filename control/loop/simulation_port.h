@@ -18,7 +18,8 @@ class SimulationPort {
   virtual void Store(const simulation::ToolCommand& command) OSTEON_RT = 0;
 };
 
-/// A simulation in a thread of this process. Reader of `models`, writer of `commands`, which outlive it.
+/// A simulation in a thread of this process. Reads `models` and writes `commands`; both must outlive this
+/// object.
 class ThreadSimulation final : public SimulationPort {
  public:
   ThreadSimulation(rt::LatestValue<simulation::ContactModel>& models,

@@ -7,10 +7,11 @@ namespace {
 
 using safety::MotionPermit;
 
-// Largest plausible distance of a joint from its command. The lag at speeds of hand guiding is a fifth of it.
+// Largest plausible difference of a joint from its command. At the speeds of hand guiding, the lag makes a
+// fifth of this.
 constexpr double kPlausible_rad = 0.1;
-// Longest time in which a PLC answers a new request: the cycles of its program and of the client, and the age
-// up to which a reading still counts.
+// Longest time until a reading of the PLC reflects a new request: the cycles of the PLC's program and of the
+// client, plus the largest accepted age of a reading.
 constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 
 }  // namespace
@@ -18,7 +19,8 @@ constexpr rt::Nanoseconds kAnswered = 200 * rt::kMillisecond;
 safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditions& c) OSTEON_RT {
   const auto& [state, received, readings, model, now] = tick;
   safety::MotionPermits permits;
-  permits.Set(MotionPermit::kArmFresh, true);  // called only in a tick with a message
+  // always true: this function is called only in a tick with a message
+  permits.Set(MotionPermit::kArmFresh, true);
   permits.Set(MotionPermit::kHandedOver,
               state.session == SessionState::kCommandingActive && state.safety_state == 0);
   permits.Set(MotionPermit::kRunPermitted,
@@ -28,14 +30,15 @@ safety::MotionPermits EvaluatePermits(const TickInputs& tick, const StartConditi
   permits.Set(MotionPermit::kPathChecked, c.may_start);
   permits.Set(MotionPermit::kHandOff, c.rendered || !c.bias_in_doubt);
 
-  // Evaluates the coupling as if fully faded in, although rendering begins with the coupling faded out.
+  // Evaluate the coupling without fade, although rendering will begin with the coupling faded out.
   CouplingState faded_in;
   faded_in.fade = 1.0;
   const CouplingOutput coupling =
       EvaluateCoupling(c.params.coupling, {.model = model, .X_WT = c.arm.X_WT(), .now = now}, faded_in);
   permits.Set(MotionPermit::kModelFresh,
               coupling.status == ModelStatus::kOk && coupling.age_s <= c.params.watchdog.model_stop_s);
-  const bool renders_here = c.rendered || c.arm.AtStart();  // on the path to the start nothing is rendered
+  // otherwise the path to the start comes first, on which nothing is rendered
+  const bool renders_here = c.rendered || c.arm.AtStart();
   permits.Set(MotionPermit::kNoResidualWrench,
               !c.arm_overloaded && (!renders_here || coupling.F_T_W.f.norm() <= c.max_force_N));
 

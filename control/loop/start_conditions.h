@@ -21,11 +21,11 @@ struct StartConditions {
   double max_force_N{0.0};  ///< largest force that the coupling may render
   /// False while ServoLoop::AllowStart forbids motion, e.g. until the path to the start is checked.
   bool may_start{true};
-  bool rendered{false};        ///< rendered at least once: the loop takes no path to the start any more
+  bool rendered{false};  ///< the loop has rendered before, so it does not move the arm to the start again
   bool bias_in_doubt{false};   ///< the sensor's bias is unknown: a hand may rest on the handle
-  bool arm_overloaded{false};  ///< the joints' load is about to exceed what they can hold
-  /// The last tick in which motion was not requested. Devices answer the new request some time later; until
-  /// then their readings are those of before the stop.
+  bool arm_overloaded{false};  ///< the external torques will soon exceed what the joints can hold
+  /// Time of the last tick in which motion was not requested. Devices need some time to react to a new
+  /// request: until then, their readings are from before it.
   rt::Nanoseconds withdrawn_at{kNeverWithdrawn};
   static constexpr rt::Nanoseconds kNeverWithdrawn{-rt::kSecond};
 };

@@ -12,8 +12,8 @@
 
 namespace osteon::control {
 
-/// Applies events to the cell's state, and carries out holding and braking: what an event does to the
-/// command. The other actions, which begin a motion, are the caller's.
+/// Applies events to the cell's state, and carries out the actions that hold or brake the command. Actions
+/// that begin a motion are carried out by the caller.
 class StateActions {
  public:
   /// The loop's parts that an event changes or a brake needs. References must outlive this object.
@@ -27,14 +27,14 @@ class StateActions {
   };
   explicit StateActions(const Parts& parts) : parts_(parts) {}
 
-  /// Applies an event, and begins the hold or the braking that follows from it.
+  /// Applies an event. If its action is to hold or to brake the command, begins that.
   /// @returns the action, for the caller to begin a motion
   safety::CellAction ApplyEvent(safety::CellEvent event) OSTEON_RT;
-  /// Applies the event of a fault that is latched already.
+  /// Applies the event kFault, for a fault that is already latched.
   void ApplyFault() OSTEON_RT { ApplyEvent(safety::CellEvent::kFault); }
   /// Latches a fault and applies its event.
   void StopWith(safety::Fault fault) OSTEON_RT;
-  /// Ends a stop once the commanded motion is at rest (in stop 0: once the arm stands).
+  /// Ends a stop. Call once the commanded motion is at rest, or in stop 0 once the arm stands still.
   void FinishStop() OSTEON_RT;
 
   /// One tick of braking by the law in use; ends the stop once the tool is at rest.

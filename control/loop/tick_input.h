@@ -19,7 +19,7 @@ struct TickInputs {
   rt::Nanoseconds now{0};                 ///< time of the tick, on the clock of all stamps
 };
 
-/// Collects the inputs of a tick that the other fields of its record do not hold.
+/// Collects the inputs of a tick that the other fields of its record do not contain.
 /// @param stop  whether an orderly stop was requested
 [[nodiscard]] TickInput MakeTickInput(const TickInputs& tick, bool stop) OSTEON_RT;
 

@@ -4,7 +4,7 @@
 #include "control/tick_record.h"
 #include "safety/cell_state.h"
 
-// Reads states of the cell from the numbers in a recorded tick.
+// Interprets the state numbers in a recorded tick.
 
 namespace osteon::control {
 
@@ -13,7 +13,7 @@ namespace osteon::control {
   return tick.cell_state == static_cast<std::uint8_t>(safety::CellState::kPaused);
 }
 
-/// Whether the tick had a message from the arm. Without one, nothing was computed or sent.
+/// Whether the tick had a message from the arm. A tick without a message computes and sends nothing.
 [[nodiscard]] inline bool HasMessage(const TickRecord& tick) {
   return tick.input.received == static_cast<std::uint8_t>(ReceiveResult::kOk);
 }

@@ -7,9 +7,9 @@ namespace osteon::control {
 
 /// Speed of the apex beyond which Fault::kToolSpeed is latched [m/s].
 ///
-/// With the admittance law this is 1.1 times the limit: the commanded motion keeps to the limit, but moving
-/// the tool through its joints adds a second-order error. With the impedance law it is 1.5 times the limit:
-/// at such a measured speed, the brake has failed to hold the hand.
+/// With the admittance law this is 1.1 times the speed limit: the commanded twist keeps the limit, but the
+/// joint motion of one tick follows it only up to a second-order error. With the impedance law it is 1.5
+/// times the limit: at such a measured speed, the brake has failed to slow the hand down.
 [[nodiscard]] inline double ToolSpeedTripLimit_m_per_s(const ServoParams& params) OSTEON_RT {
   return (params.law == Law::kImpedance ? 1.5 : 1.1) * params.twist.max_speed_m_per_s;
 }

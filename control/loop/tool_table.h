@@ -11,26 +11,26 @@
 
 namespace osteon::control {
 
-/// The tools that the loop can change between, each with its guidance. Empty, with index 0, for a loop that
-/// has only the tool that it was made with.
+/// The tools between which the loop can change, each with its guidance. If the loop has only the tool of its
+/// constructor, the table is empty and the index is 0.
 class ToolTable {
  public:
   /// Sets the tools, and the index of the one in use. May allocate.
   /// @param params  of the loop
-  /// @throws std::invalid_argument naming the entry and what is wrong with it; nothing has changed then.
+  /// @throws std::invalid_argument naming the entry and its error; the table is then unchanged
   void Set(std::vector<LoopTool> tools, int index, const ServoParams& params);
 
-  /// Whether `index` is another tool of the table than the one in use.
+  /// Whether `index` is a tool of the table that is not in use.
   [[nodiscard]] bool IsOther(int index) const OSTEON_RT {
     return index >= 0 && index < static_cast<int>(tools_.size()) && index != index_;
   }
-  /// Takes another tool into use. @pre IsOther(index)  @returns X_TN, its frame in the frame of the one
-  /// before
+  /// Selects another tool. @pre IsOther(index) @returns X_TN, pose of the new tool's frame in the old tool's
+  /// frame
   Pose Select(int index) OSTEON_RT;
 
   [[nodiscard]] const std::vector<LoopTool>& tools() const { return tools_; }
   [[nodiscard]] int index() const OSTEON_RT { return index_; }
-  /// The tool in use, and its guidance as freshly made. @pre the table is not empty
+  /// The tool in use, and its guidance in its initial state. @pre the table is not empty
   [[nodiscard]] const LoopTool& tool() const OSTEON_RT { return tools_[static_cast<std::size_t>(index_)]; }
   [[nodiscard]] const std::optional<Guidance>& guidance() const OSTEON_RT {
     return guidances_[static_cast<std::size_t>(index_)];

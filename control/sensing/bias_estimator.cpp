@@ -11,7 +11,7 @@ namespace {
 
 Wrench Difference(const Wrench& a, const Wrench& b) { return {.f = a.f - b.f, .t = a.t - b.t}; }
 
-// The part of a reading without the tool's weight and the known bias, both of which HandWrench removes.
+// Subtracts from a reading the tool's weight and the known bias, which HandWrench also removes.
 Wrench RemoveKnownLoad(const ForceSensorParams& sensor, const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
   return Difference(Difference(F_S, ToolWeight(sensor, X_WF)), sensor.bias_S);
 }
@@ -68,7 +68,7 @@ void BiasEstimator::AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
     return;
   }
   const Wrench deviation = Difference(RemoveKnownLoad(sensor_, F_S, X_WF), mean_);
-  // wider tolerance at first: a mean of a few readings is uncertain
+  // The tolerance is wider at first, because the mean of a few readings is uncertain.
   const double tolerance_factor = rested_s_ < 0.1 * params_.rest_s ? 2.0 : 1.0;
   if (deviation.f.norm() > tolerance_factor * params_.spread_N ||
       deviation.t.norm() > tolerance_factor * params_.spread_Nm) {
@@ -76,7 +76,7 @@ void BiasEstimator::AddReading(const Wrench& F_S, const Pose& X_WF) OSTEON_RT {
     return;
   }
   rested_s_ += period_s_;
-  // a plain mean at first, then an exponential one
+  // an arithmetic mean during the first rest_s, then an exponential mean
   const double share = period_s_ / std::min(rested_s_ + period_s_, std::max(params_.rest_s, period_s_));
   mean_ = {.f = mean_.f + share * deviation.f, .t = mean_.t + share * deviation.t};
   if (rested_s_ < params_.rest_s) return;

@@ -9,14 +9,16 @@ namespace osteon::control {
 
 /// Tuning of BiasEstimator. Every field has a usable default.
 struct BiasParams {
-  bool acts{true};          ///< false: no bias is removed
-  double rest_s{0.5};       ///< required duration of a rest; also the time constant of the mean
+  bool acts{true};  ///< false: no bias is removed
+  /// duration of rest after which a bias is accepted; also the time constant of the mean
+  double rest_s{0.5};
   double spread_N{1.5};     ///< a reading farther from the mean ends the rest: someone touches the tool
   double spread_Nm{0.15};   ///< as spread_N, for the torque
-  double max_bias_N{10.0};  ///< largest bias that is accepted
+  double max_bias_N{10.0};  ///< largest accepted bias
   double max_bias_Nm{2.0};  ///< as max_bias_N, for the torque
-  /// If a hand's push was taken for a bias and the hand lets go, the free tool may creep at most at this
-  /// speed. Together with the law's drag this bounds the accepted bias (CreepBound). > 0
+  /// If a hand's push was taken for a bias and the hand then lets go, the free tool creeps. This is the
+  /// largest accepted speed of that motion, > 0. With the law's drag it bounds the accepted bias
+  /// (CreepBound).
   double max_creep_m_per_s{0.05};
   double max_creep_rad_per_s{0.25};  ///< as max_creep_m_per_s, for the rotation
   double rest_motion_m{1e-4};        ///< largest motion of the flange during a rest
@@ -26,8 +28,9 @@ struct BiasParams {
 /// @throws std::invalid_argument naming the field, the value found and what is accepted.
 void Validate(const BiasParams& params);
 
-/// Returns the parameters with max_bias_N and max_bias_Nm lowered so that, if the bias was a hand's push, the
-/// free tool creeps no faster than max_creep_m_per_s once the hand lets go:
+/// Returns the parameters with max_bias_N and max_bias_Nm lowered if necessary. The bound is the force at
+/// which a free tool creeps with max_creep_m_per_s. So if a hand's push was taken for a bias, the tool creeps
+/// no faster once the hand lets go:
 ///
 ///     |bias| <= dead zone + smallest drag × max_creep
 ///
@@ -38,19 +41,21 @@ void Validate(const BiasParams& params);
 ///
 ///     bias = mean over the rest of (F_S - weight of the tool at this posture - ForceSensorParams::bias_S)
 ///
-/// The loop estimates the bias until it renders for the first time, then keeps it, because after a pause or
-/// in a recovery a hand may be at the handle. **Nobody may hold the handle before the first motion.**
+/// The loop estimates the bias until it renders for the first time. Then it keeps the bias, because a hand
+/// may be at the handle after a pause or in a recovery. **Nobody may hold the handle before the first
+/// motion.**
 ///
 /// Readings alone do not distinguish a steady push from a bias. A bias is therefore accepted only up to a
 /// bound (CreepBound). Beyond the bound, in_doubt() is true, and the loop does not begin to move until the
-/// hand lets go or the sensor's zero is calibrated. Unsteady readings, as of a hand that trembles or pushes
-/// unevenly, do not count as rest.
+/// hand lets go or the sensor's zero is calibrated. Unsteady readings, for example of a hand that trembles or
+/// pushes unevenly, do not count as rest.
 ///
 /// Subtracting the bias removes the sensor's zero offset and the error of the payload's mass at that posture.
-/// It does not remove a drift during use, or the payload's error as the tool turns. Both look like a light
-/// push of a hand, and a slow high-pass filter against them would also remove a constant push. The dead zone
-/// has to cover them (AdmittanceParams): drift times the duration of the run, plus 2 sin(turn / 2) g times
-/// the mass error. For example, 0.1 N/s for 30 s and 0.2 kg turned by 30 deg give 3 N + 1 N.
+/// It does not remove the sensor's drift during use, nor the effect of the payload's error when the tool
+/// turns. Both look like a light push of a hand. A slow high-pass filter would remove them, but also a
+/// constant push. Therefore the dead zone (AdmittanceParams) must cover them: drift × duration of the run,
+/// plus 2 sin(turn / 2) g × the error of the mass. For example, 0.1 N/s for 30 s and 0.2 kg turned by 30 deg
+/// give 3 N + 1 N.
 class BiasEstimator {
  public:
   /// @param period_s  period of AddReading, > 0  @throws std::invalid_argument as Validate.
@@ -62,7 +67,7 @@ class BiasEstimator {
 
   /// Bias to subtract from a reading, in S at S's origin; zero until a rest has been accepted.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_; }
-  /// Whether the last rest exceeded the accepted bound, and none has been accepted since.
+  /// Whether the bias found in the last rest exceeded the bound, and no bias has been accepted since.
   [[nodiscard]] bool in_doubt() const OSTEON_RT { return in_doubt_; }
 
  private:

@@ -16,7 +16,7 @@ class HandForce {
   /// @throws std::invalid_argument as Validate(BiasParams). @param X_FT  tool on the flange
   HandForce(const ServoParams& params, const Pose& X_FT);
 
-  /// Takes another tool. The sensor's bias stays: it is the sensor's own.
+  /// Sets the load and pose of another tool. The estimated bias stays, because it belongs to the sensor.
   void SetTool(const ForceSensorParams& sensor, const Pose& X_FT) OSTEON_RT;
 
   /// Adds a reading to the estimate of the bias. Call with each message before the first motion, while the
@@ -24,7 +24,7 @@ class HandForce {
   /// @param X_WT  measured tool pose
   void EstimateBias(const ForceReading& reading, const Pose& X_WT) OSTEON_RT;
 
-  /// Restarts the acceleration estimate, at rest at this measured pose. Call when motion begins.
+  /// Restarts the estimate of the acceleration, at rest at this measured pose. Call when motion begins.
   void ResetMotion(const Pose& X_WT) OSTEON_RT;
 
   /// Computes the hand's wrench; call once per message.
@@ -38,7 +38,8 @@ class HandForce {
 
   /// Bias that is subtracted from every reading, in S.
   [[nodiscard]] const Wrench& bias() const OSTEON_RT { return bias_.bias(); }
-  /// Whether the reading at rest is larger than a bias may be; probably a hand rests on the handle.
+  /// Whether the reading at rest is larger than the largest accepted bias: a hand probably rests on the
+  /// handle.
   [[nodiscard]] bool bias_in_doubt() const OSTEON_RT { return bias_.in_doubt(); }
 
  private:

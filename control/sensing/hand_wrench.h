@@ -7,11 +7,12 @@ namespace osteon::control {
 
 /// The force sensor on the flange, and the load on its tool side.
 struct ForceSensorParams {
-  PlainPose X_FS{};          ///< pose of the sensor's frame, as its manufacturer defines it, in the flange's
-  double tool_mass_kg{0.0};  ///< mass on the sensor's tool side
-  PlainVector3 tool_center_F_m{};  ///< centre of that mass
-  PlainWrench bias_S{};            ///< reading without load
-  /// Inertia about that centre, along F's axes [kg m^2]. Zero if unknown: its torque is then not compensated.
+  PlainPose X_FS{};                ///< pose in F of the sensor frame S, as the manufacturer defines S
+  double tool_mass_kg{0.0};        ///< mass on the sensor's tool side
+  PlainVector3 tool_center_F_m{};  ///< centre of mass of tool_mass_kg, in F
+  PlainWrench bias_S{};            ///< reading of the unloaded sensor, in S
+  /// Inertia about the centre of mass, along F's axes [kg m^2]. Zero if unknown: the torque of the rotational
+  /// inertia is then not compensated.
   PlainInertia tool_inertia_F{};
   /// Share of the tool's inertial force that is compensated, 0 … 1. tool_inertia.h explains its bound.
   double inertia_share{0.0};

@@ -8,16 +8,18 @@
 //
 //     F_S = F_hand + weight - inertia      so      F_hand = F_S - weight + share inertia
 //
-// Without compensation the hand feels the tool's mass in addition to the virtual mass. The acceleration is
-// computed from the **measured** motion, because the sensor reads the force in the arm's actual motion. The
-// commanded acceleration is ahead by the arm's lag and dead time (some 20 ms): it would compensate a force
-// that is not in the reading yet, half a radian off at 5 Hz. It would also close a feedback loop through the
-// law alone, without the arm: a+ = share m_tool a / m_virtual.
+// Without compensation, the hand feels the tool's mass in addition to the virtual mass. The acceleration is
+// computed from the **measured** motion, because the sensor measures the force of the arm's actual motion.
+// The commanded acceleration is ahead of the actual one by the arm's lag and dead time (some 20 ms), which is
+// a phase error of half a radian at 5 Hz. It would compensate a force that is not in the reading yet. It
+// would also close a feedback loop within the law, without the arm: next acceleration = share m_tool /
+// m_virtual × present acceleration.
 //
-// The compensation is positive feedback. At the frequency w it leaves m (1 - share H(jw)) of the tool's mass,
-// where H is the transfer function of the filters and the sensor's delay. Their lag makes a negative drag of
-// about 2 share m w^2 / w_c. studies/stability computes how much of it the loop of hand, arm and law
-// tolerates (AdmittanceLoopParams::inertia_share).
+// The compensation is positive feedback. At the angular frequency w, the hand still feels the part m (1 -
+// share H(jw)) of the tool's mass m. H is the transfer function of the two filters, with the corner frequency
+// w_c, and of the sensor's delay. The filters' lag makes a negative drag of about 2 share m w^2 / w_c.
+// studies/stability computes which share the loop of hand, arm and law tolerates
+// (AdmittanceLoopParams::inertia_share).
 
 namespace osteon::control {
 
@@ -26,14 +28,16 @@ namespace osteon::control {
 struct MeasuredMotion {
   Pose X{Pose::Identity()};  ///< pose in the last step
   Twist V;                   ///< velocity of the body's frame, in W, filtered
-  Twist A;                   ///< rate of change of V, filtered: dv/dt of the origin, dw/dt
+  Twist A;                   ///< derivative of V, filtered: dv/dt of the origin, and dw/dt
 };
 
-/// Updates the motion with a new pose: backward differences, each through a first-order filter with the
-/// corner frequency `filter_hz`. Linear in the translations of the poses.
+/// Updates the motion with a new pose. Velocity and acceleration are backward differences, each with a
+/// first-order filter of the corner frequency `filter_hz`. The result is linear in the translations of the
+/// poses.
 void StepMotion(const Pose& X, double filter_hz, double dt_s, MeasuredMotion& motion) OSTEON_RT;
 
-/// Wrench that accelerates the tool as its flange does, on the tool at To, in W:
+/// Wrench that gives the tool, which is rigidly attached to the flange, the flange's acceleration. On the
+/// tool at To, in W:
 ///
 ///     f = m a_c,   a_c = a + alpha × r + w × (w × r),   r = p_c - p_F
 ///     t = I alpha + w × I w + (p_c - p_T) × f                          I about c, in W

@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::size_t kMinPoses = 4;
 constexpr double kMinMass_kg = 1e-3;  // a smaller fitted payload is an error
-// Smallest singular value over the largest: directions that differ by less cannot be told apart by readings
-// with some percent of noise. Rotations of 20 deg either way about two axes give about 0.06 (payload), 0.1
-// (pivot).
+// Smallest accepted spread of the poses. FitPayload compares it with the spread of gravity's direction,
+// FitPivot with the ratio of the smallest to the largest singular value. With a smaller spread, noise of some
+// percent would make the result meaningless. Rotations by ±20 deg about two axes give about 0.06 (payload)
+// and 0.1 (pivot).
 constexpr double kMinSpread = 0.05;
 
 // Matrix of the cross product: Cross(v) u = v × u.
@@ -35,7 +36,7 @@ tl::unexpected<std::string> TooFew(std::size_t count) {
 tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses) {
   if (poses.size() < kMinPoses) return TooFew(poses.size());
   const auto rows = static_cast<Eigen::Index>(3 * poses.size());
-  // unknowns of the forces: m, b_f; of the torques: m c, b_t
+  // unknowns in the equations of the forces: m, b_f; in those of the torques: m c, b_t
   Eigen::MatrixXd A_f(rows, 4), A_t(rows, 6), directions(static_cast<Eigen::Index>(poses.size()), 3);
   Eigen::VectorXd f(rows), t(rows);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -51,7 +52,7 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
     f.segment<3>(row) = poses[i].F_S.f;
     t.segment<3>(row) = poses[i].F_S.t;
   }
-  // the directions of gravity about their mean have to span two dimensions of S
+  // The directions of gravity in S, relative to their mean, must vary in two dimensions.
   const Eigen::MatrixXd about_mean = directions.rowwise() - directions.colwise().mean();
   const Eigen::Vector3d spread =
       about_mean.jacobiSvd().singularValues() / std::sqrt(static_cast<double>(poses.size()));
@@ -75,7 +76,7 @@ tl::expected<PayloadFit, std::string> FitPayload(std::span<const RestPose> poses
   fit.center_S_m = y.head<3>() / fit.mass_kg;
   fit.bias_S.t = y.tail<3>();
 
-  // residuals, and the standard deviations of the unknowns that follow from them
+  // Compute the residuals, and from them the standard deviations of the unknowns.
   const auto count = static_cast<double>(rows);
   const double force_squares = (A_f * x - f).squaredNorm(), torque_squares = (A_t * y - t).squaredNorm();
   fit.residual_N = std::sqrt(force_squares / count);
@@ -104,7 +105,8 @@ tl::expected<PivotFit, std::string> FitPivot(std::span<const Pose> X_WF) {
     A.block<3, 3>(row, 3) = -Matrix3::Identity();
     p.segment<3>(row) = -X_WF[i].translation();
   }
-  // if the poses turn too little, tip and fixed point cannot be told apart along some direction
+  // If the poses turn too little, a displacement of the tip cannot be distinguished from one of the fixed
+  // point.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const double spread = svd.singularValues()[5] / svd.singularValues()[0];
   if (!(spread >= kMinSpread))

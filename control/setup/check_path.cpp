@@ -36,7 +36,7 @@ void CheckSurroundings(const PathSurroundings& around) {
     require(sphere.radius_m >= 0.0 && sphere.center_W_m.allFinite(), "spheres of radius_m >= 0");
 }
 
-// Describes what is wrong with an end of the path; empty if nothing is.
+// Describes why an end of the path is not accepted; empty if it is accepted.
 template <int N>
 std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::JointVectorN<N>& q,
                      double margin_rad, const char* which) {
@@ -50,8 +50,9 @@ std::string EndError(const kinematics::ChainParams<N>& chain, const kinematics::
   return {};
 }
 
-// Distances [m] of all balls from all obstacles at one posture, in one array: ball after ball, and for each
-// ball first the planes, then the nearest sphere. Negative: beneath a plane or inside a sphere.
+// Distances [m] of all balls from all obstacles at a posture, as one array. For each ball it has the
+// distances from all planes, then the distance from the nearest sphere. A negative distance means beneath a
+// plane or inside a sphere.
 template <int N>
 class Distances {
  public:
@@ -89,7 +90,8 @@ class Distances {
  private:
   kinematics::SerialChain<N> chain_;
   const PathSurroundings& around_;
-  std::size_t obstacle_count_;  // each plane, and all spheres together
+  // number of distances per ball: one for each plane, and one for all spheres together
+  std::size_t obstacle_count_;
 };
 
 // "at 43 % of the path: found the head 12.0 mm inside the bone, accepted 10.0 mm clear of it"
@@ -126,7 +128,7 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
     if (goal[i] < 0.0) return tl::unexpected(DescribeViolation(distances, i, 1.0, goal[i], 0.0));
   }
 
-  // upper bound on any ball's travel over the whole path
+  // upper bound of the distance that any ball travels over the whole path
   double ball_m = 0.0;
   for (const PathBall& ball : around.balls) ball_m = std::max(ball_m, ball.center_m.norm());
   const double travel_m = way.cwiseAbs().dot((kinematics::ReachBeyond(chain).array() + ball_m).matrix());
@@ -150,7 +152,8 @@ tl::expected<PathClearance, std::string> CheckPath(const kinematics::ChainParams
         return tl::unexpected(DescribeViolation(distances, i, s, d[i], floor_m));
       gap_m = std::min(gap_m, d[i] - floor_m);
     }
-    // a step as long as the smallest gap allows, or 2 resolution
+    // The step is as long as the smallest gap to a bound allows, but at least so long that no ball travels
+    // more than 2 resolution.
     s += std::max(gap_m, 2.0 * around.resolution_m) / travel_m;
   }
   update_nearest(1.0, goal);

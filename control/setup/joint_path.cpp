@@ -18,7 +18,7 @@ constexpr double kMaxCurvature = 5.773502691896257645;  // 10 / sqrt(3), maximum
 // s'(u)
 double Slope(double u) OSTEON_RT { return 30.0 * u * u * (1.0 - u) * (1.0 - u); }
 
-// s(u), computed from the nearer end, where it is accurate: the path arrives without a step.
+// s(u). Computed from the nearer end, which is more accurate, so that the path ends without a step.
 double Share(double u) OSTEON_RT {
   const auto from_zero = [](double x) { return x * x * x * (10.0 - x * (15.0 - 6.0 * x)); };
   return u < 0.5 ? from_zero(u) : 1.0 - from_zero(1.0 - u);
@@ -52,7 +52,8 @@ JointPath<N>::JointPath(const JointPathParams& params, const kinematics::ChainPa
   reach_m_ = kinematics::ReachBeyond(chain).array() + p_FT_m.norm();
 }
 
-// Shortest duration [s] in which every joint keeps its shares of speed and acceleration, also in a pause.
+// Shortest duration T [s] with which every joint keeps its share of speed and acceleration, even if the path
+// is paused.
 template <int N>
 double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
   const double pause_rate = kMaxSlope * PausableClock::MaxRateSpeed(params_.pause_s);
@@ -62,7 +63,7 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
     const double d = std::abs(way[i]);
     const double speed = params_.speed_share * limits.velocity_rad_per_s,
                  acceleration = params_.acceleration_share * limits.acceleration_rad_per_s2;
-    // the root of a T^2 - d pause_rate T - d max|s''| = 0
+    // positive root of acceleration T^2 - d pause_rate T - d max|s''| = 0
     const double b = d * pause_rate;
     const double acceleration_s =
         (b + std::sqrt(b * b + 4.0 * acceleration * d * kMaxCurvature)) / (2.0 * acceleration);
@@ -71,7 +72,7 @@ double JointPath<N>::JointDuration(const Joints& way) const OSTEON_RT {
   return duration_s;
 }
 
-// Shortest duration [s] in which the apex and the flange's origin keep the tool's speed limit.
+// Shortest duration [s] with which the apex and the flange's origin keep the tool's speed limit.
 template <int N>
 double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
   double max_m = 0.0;  // largest |dp/du|
@@ -80,7 +81,8 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const double u = static_cast<double>(k) / kSamples;
     chain_.ComputePosture(q_from_ + Share(u) * way, posture);
     const Vector3 p_BT = posture.X_BF * p_FT_m_;
-    Vector3 v = Vector3::Zero(), w = Vector3::Zero();  // motion of the apex, and rotation, per unit of s
+    // velocity of the apex, and angular velocity, per unit of s
+    Vector3 v = Vector3::Zero(), w = Vector3::Zero();
     for (int i = 0; i < N; ++i) {
       const Vector3 turn = way[i] * posture.axis_B(i);
       w += turn;
@@ -89,8 +91,8 @@ double JointPath<N>::ToolDuration(const Joints& way) const OSTEON_RT {
     const Vector3 v_flange = v + w.cross(posture.X_BF.translation() - p_BT);
     max_m = std::max(max_m, Slope(u) * std::max(v.norm(), v_flange.norm()));
   }
-  double first_m = 0.0, second_m = 0.0;  // bounds on |dp/ds| and on its change
-  double inner = 0.0;                    // sum of the turns of the joints nearer the base [rad]
+  double first_m = 0.0, second_m = 0.0;  // upper bounds of |dp/ds| and of |d²p/ds²|
+  double inner = 0.0;                    // sum of the rotations of the joints nearer to the base [rad]
   for (int i = 0; i < N; ++i) {
     const double d = std::abs(way[i]);
     first_m += d * reach_m_[i];
@@ -124,14 +126,14 @@ JointPathOutput<N> JointPath<N>::Step(double dt_s, bool permitted) OSTEON_RT {
   JointPathOutput<N> out;
   out.rate = clock_.rate();
   if (!(t_s_ < duration_s_)) {
-    out.q = q_goal_;  // exact
+    out.q = q_goal_;  // without rounding error
     out.progress = progress_ = 1.0;
     out.done = true;
     return out;
   }
   const double u = t_s_ / duration_s_;
   const Joints way = q_goal_ - q_from_;
-  progress_ = std::max(progress_, Share(u));  // against rounding
+  progress_ = std::max(progress_, Share(u));  // rounding must not let it fall
   out.progress = progress_;
   out.q = q_from_ + progress_ * way;
   out.qd = (Slope(u) * clock_.rate() / duration_s_) * way;

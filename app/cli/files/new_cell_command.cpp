@@ -108,7 +108,8 @@ int NewCellCommand::Run(const Invocation& invocation) {
   try {
     static_cast<void>(config::LoadCell(file));
   } catch (const config::ConfigError& wrong) {
-    // a copy's relative paths may lead nowhere from the new folder
+    // A copied file may have relative paths, which start from its own folder: in the new folder they may name
+    // no file.
     fs::remove(file, error);
     return refuse(fmt::format("{}: it names files beside it, accepted names or whole paths", wrong.what()));
   }

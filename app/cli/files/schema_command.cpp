@@ -29,8 +29,8 @@ using config::KeyTable;
 using Type = config::KeyInfo::Type;
 using Help = std::map<std::string, std::string>;  // text by a key's path, e.g. "limits.max_force_N"
 
-// Adds the comments behind the keys of a shipped file ("key: 1  # comment") to `help`, which editors show for
-// these keys in every file of the kind. A key that has its help already keeps it.
+// Reads the comment behind each key of a shipped file ("key: 1 # comment") into `help`. Editors show this
+// help for the key in every file of that kind. A key that already has a help text keeps it.
 void ReadHelp(const fs::path& file, Help& help) {
   std::ifstream stream(file);
   std::vector<std::pair<std::size_t, std::string>> enclosing;  // indentation and name of the enclosing keys
@@ -95,7 +95,8 @@ Json ValueSchema(const KeyTable& table, const std::string& key, const KeyInfo& i
       value = {{"type", "boolean"}};
       break;
     case Type::kText:
-      value = {{"type", {"string", "number", "boolean"}}};  // text, which YAML may read as another type
+      // a text: YAML may read "12" or "yes" as another type
+      value = {{"type", {"string", "number", "boolean"}}};
       break;
     case Type::kChoice:
       value = {{"enum", AcceptedWords(info.words)}};
@@ -113,7 +114,7 @@ Json ValueSchema(const KeyTable& table, const std::string& key, const KeyInfo& i
       value = ObjectSchema(inner_table, path + key + ".", help, config_root, required);
       break;
     case Type::kList:
-      // An extended file's list is not merged with this one, so its items need all their keys.
+      // A list replaces that of the extended file as a whole, so each of its items needs all its keys.
       value = {{"type", "array"},
                {"items", ObjectSchema(inner_table, path + key + ".", help, config_root, true)},
                {"minItems", info.min},

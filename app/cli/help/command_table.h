@@ -13,7 +13,7 @@
 // The command line as data, read from the tree of CLI::App that parses it. Help, manual and completion are
 // made from this data, so that they cannot differ from the parser.
 //
-// How the tree says what CLI11 has no field for:
+// CLI11 has no field for some of these data. The tree keeps them in other fields:
 // - Option::type_name: the value's kind (FILE, FOLDER, CELL, TOOL, SCENE, SCENARIO, ROBOT) or form (X,Y,Z).
 // - Validator description: the accepted values, "1 … 100", or "{a,b}" for one of several words (usage.h).
 // - App::footer: paragraphs, lists and exit codes, separated by blank lines (ParseFooter).
@@ -25,12 +25,12 @@ struct OptionText {
   std::vector<std::string> names;  ///< "-o", "--out"; of an argument only its name, "cell"
   bool is_argument{false};
   bool required{false};
-  bool repeats{false};              ///< takes several values, or may be given several times
+  bool repeats{false};              ///< takes several values, or may occur several times on the command line
   std::string value;                ///< kind of the value: "FILE", "NUMBER"; empty: a flag
   std::vector<std::string> words;   ///< the accepted words; empty: no list of words
   std::string range;                ///< the accepted numbers, "1 … 100"; may be empty
   std::string help, default_value;  ///< default_value: empty if there is none
-  std::string group;                ///< heading under which it is listed
+  std::string group;                ///< heading of the help under which the option is listed
   std::vector<std::string> needs, excludes;
 };
 
@@ -42,10 +42,10 @@ struct ListText {
 
 /// A command with its options, its texts and its subcommands.
 struct CommandText {
-  std::string name;                 ///< as it is typed: "osteon bench frame"
-  std::string purpose;              ///< one line
-  std::string group;                ///< heading under which the parent lists it
-  bool needs_command{false};        ///< one of its subcommands has to follow
+  std::string name;           ///< as it is typed: "osteon bench frame"
+  std::string purpose;        ///< one line
+  std::string group;          ///< heading under which the help of the parent command lists this command
+  bool needs_command{false};  ///< the name alone is no complete command: one of the subcommands must follow
   std::vector<OptionText> options;  ///< in the order of their definition
   std::vector<std::string> paragraphs;
   std::vector<ListText> lists;  ///< the last one: examples
@@ -59,14 +59,14 @@ struct CommandText {
 /// Describes a command and its subcommands. Options and subcommands without a group are hidden and left out.
 [[nodiscard]] CommandText DescribeCommand(const CLI::App& app);
 
-/// Describes several executables as one command: name, options and texts of the first, subcommands of all.
-/// If two of them have a subcommand of the same name, the one with more options is taken; the other one only
-/// announces the subcommand.
+/// Describes several executables as one command: name, options and texts of the first, subcommands of all. If
+/// two of them have a subcommand of the same name, the one with more options is described: the executable
+/// with fewer options only lists the subcommand in its help.
 [[nodiscard]] CommandText DescribeCommands(std::span<const CLI::App* const> apps);
 
-/// Splits a footer into its parts. Blocks are separated by blank lines. A block whose first line ends with
-/// ':' and whose others are indented is a list. "Exit code N: meaning" describes an exit code. Others are
-/// paragraphs, whose line breaks do not count.
+/// Splits a footer into its parts. Blocks are separated by blank lines. A block is a list if its first line
+/// ends with ':' and its other lines are indented. A block "Exit code N: meaning" describes an exit code. Any
+/// other block is a paragraph; its line breaks are ignored.
 void ParseFooter(const std::string& footer, CommandText& command);
 
 /// The accepted values as text: the words, or the range; empty if everything is accepted.

@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// Returns a text in single quotes, which a shell takes literally.
+// Returns a text in single quotes, so that a shell does not interpret it.
 std::string Quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -19,7 +19,8 @@ std::string Quoted(const std::string& text) {
 
 std::string Joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
-// Source of a value's completions: YAML files of a folder below config/ by name, any files, folders, or none.
+// Source of a value's completions: the names of the YAML files in a folder below config/, any files, any
+// folders, or nothing.
 struct ValueSource {
   std::string names;    // folder below config/, e.g. "cells"
   bool files{false};    // any file
@@ -88,7 +89,8 @@ std::string BashTable(const CommandText& top) {
                         Quoted(Joined(is_top ? TopWords(command) : CommandWords(command))),
                         Quoted(Joined(OptionNames(command))));
     text += "      case $2 in\n";
-    bool has_argument = false;  // a word that no option precedes is completed as the first argument
+    // a word that no option precedes is completed as the first argument: only that one is listed
+    bool has_argument = false;
     for (const OptionText& option : command.options) {
       if (option.value.empty() || (option.is_argument && std::exchange(has_argument, true))) continue;
       if (option.is_argument)
@@ -238,8 +240,8 @@ std::string ZshCompletion(const CommandText& command) {
   text.insert(text.rfind("complete -F"),
               "(($+functions[compdef])) || { autoload -U compinit && compinit; }\nautoload -U +X "
               "bashcompinit && bashcompinit\n");
-  // If zsh loads the script from its folder of completions, the script runs as the function of the first
-  // request, which it must then answer.
+  // zsh may load the script from its folder of completions at the first request. The script then runs as the
+  // function _osteon and must answer this request itself.
   text += "[[ ${funcstack[1]-} != _osteon ]] || _bash_complete -F _osteon\n";
   return text;
 }

@@ -4,8 +4,8 @@
 
 #include "app/cli/help/command_table.h"
 
-// Scripts by which a shell completes the command: subcommands, options, words, files, and names below
-// config/. A script contains all of its words: completing one starts no process.
+// Scripts by which a shell completes the command line: subcommands, options, accepted words, files, and names
+// below config/. A script contains all these words, so completing a word starts no process.
 
 namespace osteon::app {
 

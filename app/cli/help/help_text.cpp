@@ -16,7 +16,7 @@ constexpr std::size_t kMinWidth = 50, kDefaultWidth = 80, kMaxWidth = 120;
 constexpr std::size_t kTextColumn = 26;      // column at which explanations begin
 constexpr std::size_t kMaxWordsInHead = 22;  // columns of a word list; a longer one is in the explanation
 
-// Whether an option's accepted words are short enough for its head, as in "--mode a|b".
+// Whether an option's accepted words are short enough to be shown beside its name, as in "--mode a|b".
 bool ShowsWordsInHead(const OptionText& option) {
   return !option.words.empty() && fmt::format("{}", fmt::join(option.words, "|")).size() <= kMaxWordsInHead;
 }
@@ -31,7 +31,7 @@ std::string Row(const std::string& head, const std::string& body, std::size_t wi
   return text + base::WrapText(body, kTextColumn, width) + "\n";
 }
 
-// Returns an example; one that is too long is continued on further lines, in the form that a shell accepts.
+// Returns an example. A long example is continued on further lines, in the form that a shell accepts.
 std::string ExampleLine(const std::string& line, std::size_t width) {
   std::string text;
   std::string rest = "  " + line;

@@ -12,8 +12,8 @@
 
 namespace osteon::app {
 
-/// The option with its value: "-o, --out FILE". If the accepted words are few and short, they stand in
-/// place of the value: "--mode a|b".
+/// The option with its value: "-o, --out FILE". If the accepted words are few and short, they replace the
+/// value: "--mode a|b".
 [[nodiscard]] std::string OptionHead(const OptionText& option);
 /// The option's explanation, then what is accepted, the default, and which options it needs or excludes.
 [[nodiscard]] std::string OptionBody(const OptionText& option);

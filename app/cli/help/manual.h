@@ -4,7 +4,7 @@
 
 #include "app/cli/help/command_table.h"
 
-// The manual of the command, in three forms, from the table that parses the command line.
+// The manual of the command in three forms, made from the description of the command line (command_table.h).
 
 namespace osteon::app {
 

@@ -14,9 +14,9 @@ class ManualCommands {
  public:
   explicit ManualCommands(CLI::App& app);
 
-  /// Whether one of the two was on the command line.
+  /// Whether `manual` or `completion` was on the command line.
   [[nodiscard]] bool asked() const { return manual_->parsed() || completion_->parsed(); }
-  /// @param apps  the executables that are documented as one command, the one with its name first
+  /// @param apps  the executables that are documented as one command; the first one has the command's name
   /// @returns the process's exit code.
   [[nodiscard]] int Run(std::span<const CLI::App* const> apps) const;
 

@@ -30,7 +30,7 @@ class CellCommands final : public Subcommand {
  private:
   session::SimulatedCellOptions simulated_;
   session::OperateOptions operate_;
-  ProcedureOptions procedure_, cell_procedure_;  // of `run`, of `cell`
+  ProcedureOptions procedure_, cell_procedure_;  // options of a procedure for `run` and for `cell`
   std::string name_, tool_;
   std::filesystem::path identified_;
   CLI::App* run_;

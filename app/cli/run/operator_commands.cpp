@@ -8,7 +8,7 @@
 namespace osteon::app {
 namespace {
 
-// A request to the running cell: name of the subcommand, its line of help, and its footer.
+// A subcommand that sends a request to the running cell: its name, its line of help, and its footer.
 struct Request {
   const char *name, *help, *footer;
 };

@@ -10,7 +10,7 @@
 
 namespace osteon::app {
 
-/// The refusal of a size in `--tool KIND:D` together with `--plan`, whose session chooses the size.
+/// Error text for a size in `--tool KIND:D` together with `--plan`: the plan's session chooses the size.
 inline constexpr const char* kSizeWithPlan =
     ": found a size with --plan, accepted a kind alone: the plan has the sizes, from the first one on";
 
@@ -22,7 +22,8 @@ class ProcedureOptions {
   void Add(CLI::App& sub, bool with_session);
   /// Whether --plan was given.
   [[nodiscard]] bool asked() const { return !plan_.empty(); }
-  /// Finds the plan's file and fills `choice` with the options' values. Without --plan it stays unchanged.
+  /// Finds the plan's file and fills `choice` with the options' values. Without --plan, `choice` stays
+  /// unchanged.
   /// @returns what is wrong with the plan's name; empty if nothing is
   [[nodiscard]] std::string ReadInto(const std::filesystem::path& config_root,
                                      session::ProcedureChoice& choice) const;

@@ -43,7 +43,7 @@ class FailuresCommand final : public Subcommand {
   [[nodiscard]] int Run(const Invocation& invocation) override;
 
  private:
-  // The tables that are made instead of running the scenarios.
+  // The tables that the options request. If any is requested, the scenarios are not run.
   struct Tables {
     bool faults{false}, kill{false};
     int times{20};  // trials for each victim

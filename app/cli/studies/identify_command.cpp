@@ -122,7 +122,8 @@ int IdentifyCommand::Run(const Invocation& invocation) {
   for (const std::string& axis : axes_)
     if (options_.axes.find(axis) == std::string::npos) options_.axes += axis;
   options_.speeds_m_per_s.clear();
-  std::set<std::string> names;  // a speed names its recording, so each name is kept only once
+  // The name of a recording contains the speed, so each speed is used only once.
+  std::set<std::string> names;
   for (const double speed : speeds_mm_per_s_)
     if (names.insert(fmt::format("{:g}", speed)).second) options_.speeds_m_per_s.push_back(1e-3 * speed);
   if ((sub_->count("--joints") > 0 || sub_->count("--joint-speeds") > 0) && !options_.runs.joints)

@@ -86,7 +86,7 @@ CLI::App* AddBenchFrame(CLI::App& bench, studies::BenchFrameOptions& options) {
       "  osteon bench frame --scene molar --spheres 36000 --tool-spheres 200\n"
       "  osteon bench frame --engines cpu,vulkan --rounds 5 --json engines.json\n"
       "  osteon bench frame --engines cpu,vulkan --spheres 300000 --compare");
-  // Defaults that depend on several options: CLI11 runs callbacks after it has read them all.
+  // Set the defaults that depend on several options. CLI11 runs this callback after it has read all options.
   sub->callback([sub, &options] {
     if (sub->count("--compare") > 0 && (options.compare.empty() || options.compare.front().empty()))
       options.compare = studies::PlainVoxelNames();
@@ -327,7 +327,7 @@ class MeasureCommands final : public Subcommand {
   [[nodiscard]] int Run(const Invocation& invocation) override;
 
  private:
-  studies::BenchFrameOptions frame_options_;  // before the members that point into it
+  studies::BenchFrameOptions frame_options_;  // declared before the members that point into it
   studies::BenchKinematicsOptions kinematics_options_;
   studies::BenchSurfaceOptions surface_options_;
   studies::BenchTickOptions tick_options_;

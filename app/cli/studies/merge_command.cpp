@@ -18,7 +18,8 @@
 namespace osteon::app {
 namespace {
 
-// Parses a study's command line, given as words, and runs the study on the items of the parts.
+// Parses a study's command line, given as words. Then runs the study, which takes the results of its items
+// from the parts instead of computing them.
 int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> words,
              const studies::PartSet& parts) {
   CLI::App app{"the studies that can be split", "osteon"};
@@ -28,7 +29,7 @@ int RunStudy(const std::filesystem::path& config_root, std::vector<std::string> 
   app.require_subcommand(1);
   const Invocation invocation{
       .config_root = config_root, .command_line = CommandLine(words), .words = words, .parts = &parts};
-  std::ranges::reverse(words);  // CLI11 takes the words in reverse order
+  std::ranges::reverse(words);  // CLI11 expects the words in reverse order
   try {
     app.parse(words);
   } catch (const CLI::ParseError& error) {

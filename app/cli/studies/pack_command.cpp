@@ -21,7 +21,7 @@ class PackCommand final : public Subcommand {
   [[nodiscard]] int Run(const Invocation& invocation) override;
 
  private:
-  // Options that are texts on the command line and other types in PackOptions.
+  // Values that are texts on the command line and have other types in PackOptions.
   struct Texts {
     std::string mode{"overlap"}, cup, region;
     std::vector<std::string> path;
@@ -133,7 +133,7 @@ std::string PackCommand::Read() {
     options_.source.path = {.file = texts_.path[0], .radius_m = 1e-3 * radius->front()};
   }
   options_.source.graded = options_.grade.value_or(0.0) > 0.0;
-  // Note which of the given options decide the packing; --threads does not.
+  // Store the names of the given options that determine the packing. --threads does not change it.
   for (const CLI::Option* option : sub_->get_options())
     if (option->count() > 0 && (option->get_group() == "Packing" || option->get_group() == "Mesh and site") &&
         option->get_name() != "--threads")

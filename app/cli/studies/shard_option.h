@@ -7,7 +7,7 @@ namespace osteon::app {
 
 /// Adds --shard, which sets sharding.shard.
 CLI::Option* AddShardOption(CLI::App& sub, studies::Sharding& sharding);
-/// Copies the command's words, and the parts that `osteon merge` has read, into a study's sharding.
+/// Copies the words of the command line, and the parts that `osteon merge` has read, into a study's sharding.
 void TakeInvocation(const Invocation& invocation, studies::Sharding& sharding);
 
 }  // namespace osteon::app

@@ -46,7 +46,7 @@ std::optional<int> ParseCommandLine(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) {  // for --help and --version
+    if (error.get_exit_code() == 0) {  // --help or --version was given
       std::ostringstream text;
       const int code = app.exit(error, text, text);
       fmt::print("{}", text.str());

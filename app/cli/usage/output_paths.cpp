@@ -32,8 +32,8 @@ std::string NamedKind(const CLI::Option& option) {
   return type.find("FILE") != std::string::npos ? "file" : "";
 }
 
-// Returns what an existing file is ("a recording"), by its first bytes or its name, if it must not be
-// overwritten; empty for any other file.
+// Returns the kind of an existing file ("a recording") if files of this kind must not be overwritten; empty
+// for any other file. The kind is recognised by the file's first bytes or its name.
 std::string_view ProtectedKind(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return "";

@@ -57,7 +57,7 @@ bool AsksForStudy(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string_view word = argv[i];
     if (word == "--config-root") {
-      ++i;  // its value
+      ++i;  // skips the option's value
     } else if (!word.starts_with('-')) {
       return std::ranges::find(kStudies, word, &StudyCommand::name) != kStudies.end();
     }

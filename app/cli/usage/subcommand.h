@@ -17,9 +17,10 @@ namespace osteon::app {
 /// How the program was called.
 struct Invocation {
   std::filesystem::path config_root;
-  std::string command_line;                ///< the command that repeats the run
-  std::vector<std::string> words;          ///< the command line after the program's name
-  const studies::PartSet* parts{nullptr};  ///< by `osteon merge`: the items of all shards
+  std::string command_line;        ///< the command that repeats the run
+  std::vector<std::string> words;  ///< the command line after the program's name
+  /// the items of all shards; null except when `osteon merge` runs the study
+  const studies::PartSet* parts{nullptr};
 };
 
 /// A subcommand. Its constructor adds it to the help, with its options.

@@ -12,7 +12,8 @@
 namespace osteon::app {
 namespace {
 
-/// Suggests what was meant: "reamer54" is "reamer:54", "raemer" is "reamer". Empty if nothing is similar.
+/// Suggests the tool that was probably meant: "reamer:54" for "reamer54", "reamer" for "raemer". Empty if no
+/// name is similar.
 std::string NearestToolName(const std::filesystem::path& folder, const std::string& name,
                             const std::string& diameter) {
   const std::size_t digits_begin = name.find_last_not_of("0123456789.") + 1;

@@ -9,8 +9,8 @@
 
 namespace osteon::app {
 
-/// Parses "NAME[:DIAMETER]": a name under tools/ or a YAML file, and one of the tool's diameters in mm. The
-/// error names the part, what was found and what is accepted.
+/// Parses "NAME[:DIAMETER]". NAME is a name under tools/ or a YAML file, DIAMETER one of the tool's diameters
+/// in mm. The error names the wrong part, what was found and what is accepted.
 [[nodiscard]] tl::expected<config::ToolChoice, std::string> ParseTool(
     const std::string& text, const std::filesystem::path& config_root);
 

@@ -66,7 +66,8 @@ namespace {
 std::string AcceptedOf(const CLI::App& command, const std::string& name) {
   const CLI::Option* option = command.get_option_no_throw(name);
   std::string type = option ? option->get_type_name() : "";
-  const std::size_t colon = type.find(':');  // the type's name stands before the colon, the range after it
+  // the text before the colon is the type's name, the text after it the range
+  const std::size_t colon = type.find(':');
   std::string range = colon == std::string::npos ? "" : ", " + type.substr(colon + 1);
   type = type.substr(0, colon);
   if (type == "INT" || type == "UINT") type = "a whole number";
@@ -74,7 +75,7 @@ std::string AcceptedOf(const CLI::App& command, const std::string& name) {
   return type + range;
 }
 
-// The beginning of CLI11's error on a path that is missing or of another kind, and our words for it.
+// The beginning of CLI11's error on a path that is missing or of another kind, and the words that replace it.
 struct PathWords {
   std::string_view parser, found, accepted;
 };
@@ -84,8 +85,8 @@ constexpr std::array<PathWords, 4> kPathWords{
      {"Directory does not exist: ", "no folder", "one that is there"},
      {"Directory is actually a file: ", "the file", "a folder"}}};
 
-// Rewrites CLI11's error on a value's type, a path or a number of values, so that it says what is accepted.
-// Other errors stay.
+// Rewrites CLI11's error on a value's type, on a path or on a number of values, so that it says what is
+// accepted. Other errors stay unchanged.
 std::string WithAccepted(const CLI::App& command, std::string what) {
   constexpr std::string_view kConvert = "Could not convert: ", kReceived = " required but received ";
   if (what.starts_with(kConvert)) {
@@ -126,7 +127,7 @@ std::string UsageError(const CLI::App& app, const CLI::ParseError& error) {
   std::string what = WithAccepted(command, error.what());
   const std::vector<std::string> unknown = app.remaining(true);
   if (!unknown.empty()) {
-    // an unknown option makes its value unknown too: report the option
+    // After an unknown option, its value is an unknown word too: report the option rather than the value.
     const auto option = std::ranges::find_if(unknown, [](const auto& word) { return word.starts_with("-"); });
     const bool is_option = option != unknown.end();
     const std::string word = (is_option ? *option : unknown.front()).substr(0, 60);

@@ -19,18 +19,18 @@ namespace osteon::app {
 
 /// Adds `--device`.
 void AddDeviceOption(CLI::App& sub, std::string& device);
-/// Adds `--engine`. @param names  the accepted ones, "auto" among them
-/// @param use  what the engine is for; @param rest  text after the explanation of "auto"
+/// Adds `--engine`. @param names  the accepted names, including "auto"
+/// @param use  purpose of the engine, as text for the help; @param rest  text after the explanation of "auto"
 void AddEngineOption(CLI::App& sub, std::string& engine, const std::vector<std::string>& names,
                      const std::string& use, const std::string& rest = "");
 
-/// Explains the error, after the name of the requested subcommand. For an unknown word it names the nearest
-/// known one.
+/// Explains a parse error, after the name of the requested subcommand. For an unknown word, names the nearest
+/// known word.
 [[nodiscard]] std::string UsageError(const CLI::App& app, const CLI::ParseError& error);
 
-/// Says why no subcommand could work with this command line (`--json -`, an output that would overwrite a
-/// file to be kept, a missing folder for temporary files), after the name of the requested subcommand. Empty:
-/// it can.
+/// Returns why no subcommand could work with this command line, after the name of the requested subcommand:
+/// `--json -`, an output that would overwrite a file to be kept, or a missing folder for temporary files.
+/// Empty if the command can run.
 [[nodiscard]] std::string ValidateEnvironment(const CLI::App& app);
 
 }  // namespace osteon::app

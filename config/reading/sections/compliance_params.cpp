@@ -14,9 +14,11 @@ constexpr double kMinToolRelaxation_s = 0.020;  // shortest time constant of a t
 constexpr double kMaxMasslessSum = 0.5;         // rule 1: largest sum of T K c / tau
 constexpr double kMinDampingRatio = 0.05;       // rule 2: smallest damping ratio of a mount
 constexpr double kMaxTurnPerTick = 0.4;         // rule 3: largest sqrt((K + k) / m) T of a mount [rad]
-constexpr double kMinFirstMode_hz = 100.0;      // lowest natural frequency of a tool by itself
-constexpr double kBendShare = 0.1;    // the cell stops where a tool bends by this share of its free length
-constexpr double kThrustShare = 0.5;  // the cell stops where the thrust is this share of the buckling load
+// smallest accepted natural frequency of a tool that is not in contact
+constexpr double kMinFirstMode_hz = 100.0;
+// the cell stops if a tool bends by more than this share of its free length
+constexpr double kBendShare = 0.1;
+constexpr double kThrustShare = 0.5;  // the cell stops if the thrust exceeds this share of the buckling load
 
 // Radius of the tool's cutting head [m]; without a cutting head, of its first ball.
 double HeadRadiusOf(const simulation::Tool& tool) {
@@ -24,7 +26,7 @@ double HeadRadiusOf(const simulation::Tool& tool) {
   return head ? head->radius_m : tool.balls.front().radius_m;
 }
 
-// Smallest stiffness of the materials that have a layer [N/m³]; 0: none has one.
+// Smallest stiffness of the materials that have a layer [N/m³]; 0: no material has a layer.
 double SoftestOf(const control::SurfaceLayerParams& layer) {
   double softest = 0.0;
   for (const double kappa : layer.kappa_N_per_m3)
@@ -69,8 +71,10 @@ double LayerCompliance(const control::SurfaceLayerParams& layer, double force_N)
 }
 
 double LayerTangent_N_per_m(const control::SurfaceLayerParams& layer, double force_N) {
-  constexpr double kStep = 1e-4;              // of the force, to each side
-  control::SurfaceLayerParams thick = layer;  // an infinite thickness does not bound the indentation
+  // relative step of the force, in both directions, for the difference quotient
+  constexpr double kStep = 1e-4;
+  // with an infinite thickness, the bound at 0.4 of the thickness never acts
+  control::SurfaceLayerParams thick = layer;
   thick.thickness_m = std::numeric_limits<double>::infinity();
   const double further_m = LayerDeflection_m(thick, (1.0 + kStep) * force_N, 0.0) -
                            LayerDeflection_m(thick, (1.0 - kStep) * force_N, 0.0);
@@ -116,7 +120,8 @@ std::optional<ComplianceRefusal> CheckMassless(const control::ComplianceParams& 
       c.tool ? TK * c.tool->compliance_T.diagonal().head<3>().maxCoeff() / c.tool->tau_s : 0.0;
   const double layer_term = c.layer ? TK * LayerCompliance(*c.layer, 1.0) / c.layer->tau_s : 0.0;
   if (tool_term + layer_term <= kMaxMasslessSum) return std::nullopt;
-  // refuse the element that adds more, with the time constant at which the sum would be kMaxMasslessSum
+  // Refuse the element with the larger term. The text names the time constant at which the sum would be
+  // kMaxMasslessSum.
   const bool tool_worse = tool_term >= layer_term;
   const double min_tau_s = tool_worse
                                ? c.tool->tau_s * tool_term / std::max(1e-9, kMaxMasslessSum - layer_term)
@@ -141,7 +146,7 @@ std::optional<ComplianceRefusal> CheckMountAlone(const control::BoneMountParams&
   if (mount.damping_ratio < kMinDampingRatio)
     return ComplianceRefusal{"damping_ratio", fmt::format("found {:g}, accepted at least {:g}",
                                                           mount.damping_ratio, kMinDampingRatio)};
-  // smallest mass for each N/m of stiffness, from kMaxTurnPerTick
+  // smallest mass for each N/m of stiffness, by the limit kMaxTurnPerTick
   const double mass_per_stiffness = period_s * period_s / (kMaxTurnPerTick * kMaxTurnPerTick);
   const double min_mass_kg = (stiffness_N_per_m + mount.stiffness_N_per_m.maxCoeff()) * mass_per_stiffness;
   if (mount.mass_kg < min_mass_kg)

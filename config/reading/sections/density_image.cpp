@@ -33,8 +33,8 @@ std::uint32_t BigEndian(const Bytes& bytes, std::size_t at) {
          (static_cast<std::uint32_t>(bytes[at + 2]) << 8u) | bytes[at + 3];
 }
 
-/// Keeps only header, palette, data and end of a PNG. Given a gamma or a colour profile, libpng would convert
-/// the samples, which are densities and not brightness.
+/// Keeps only header, palette, data and end of a PNG. If libpng got a gamma or a colour profile, it would
+/// convert the samples, which are densities and not brightness.
 tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   // bytes around a chunk's data (length, type, checksum), and of the first chunk, the header
@@ -63,7 +63,7 @@ tl::expected<Bytes, std::string> SamplesOnly(const Bytes& png) {
   return Refusal(fmt::format("a PNG cut off after {} bytes", png.size()));
 }
 
-/// Checks the header against what is accepted.
+/// Refuses a header whose size or format is not accepted.
 tl::expected<void, std::string> CheckHeader(const png_image& header) {
   const bool transparent = (header.format & PNG_FORMAT_FLAG_ALPHA) != 0;
   if ((header.format & PNG_FORMAT_FLAG_COLOR) != 0) return Refusal("a PNG in colour");
@@ -85,7 +85,8 @@ bool ReadSamples(png_image& header, GreyImage& image) {
   return true;
 }
 
-/// Owns what libpng keeps between reading the header and the samples, and frees it in any case.
+/// Owns the memory that libpng allocates between reading the header and reading the samples, and frees it in
+/// any case.
 struct PngImage {
   png_image header{};
   PngImage() { header.version = PNG_IMAGE_VERSION; }
@@ -95,7 +96,7 @@ struct PngImage {
 };
 
 /// Reads a class of densities: its upper bound and its material.
-/// @param last  the list's last class takes everything denser, so it has no bound.
+/// @param last  whether this is the last class of the list, which takes all denser bone and has no bound
 simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMaterial& read_material) {
   constexpr const char* kBound = "below_g_per_cm3";
   simulation::DensityClass read;
@@ -108,7 +109,7 @@ simulation::DensityClass ReadClass(Reader& section, bool last, const ReadMateria
   return read;
 }
 
-/// Refuses a class whose bound is not above that of the class before.
+/// Refuses a class whose bound is not above the bound of the previous class.
 void CheckAscending(const std::vector<Reader>& sections,
                     const std::vector<simulation::DensityClass>& classes) {
   for (std::size_t i = 0; i + 1 < classes.size(); ++i) {
@@ -155,7 +156,7 @@ simulation::DensityImage ReadDensityImage(Reader section, const ReadMaterial& re
   simulation::DensityImage image;
   const std::filesystem::path file = section.File("file");
   image.row_step_m = section.Number("row_step_mm", 0.001, 100);
-  // at black, at white
+  // densities of black and of white
   const std::vector<double> density = section.Numbers("density_g_per_cm3", 2, 0, kDensest_g_per_cm3);
   image.axis = section.Direction("axis");
   const std::vector<double> heights_m = section.Numbers("column_heights_mm", 2, -kFarthest_mm, kFarthest_mm);

@@ -27,12 +27,12 @@ using ReadMaterial = std::function<simulation::MaterialIndex(Reader& section, co
 
 /// Reads the mapping `density_image` and the picture that it names.
 ///
-///     file: ../images/profile.png          from the file's folder; the top row lies at the surface
+///     file: ../images/profile.png          relative to this file; the image's top row lies at the surface
 ///     row_step_mm: 0.5                      depth from row to row
-///     density_g_per_cm3: [0, 2]             at black, at white; linear between
-///     axis: [0, 0, 1]                       unit, in the mesh's frame, that the columns follow
-///     column_heights_mm: [-20, 20]          of the first and the last column along the axis
-///     classes:                              ascending; the last has no bound: everything denser
+///     density_g_per_cm3: [0, 2]             densities of black and of white; linear between them
+///     axis: [0, 0, 1]                       unit vector in the mesh's frame, along which the columns lie
+///     column_heights_mm: [-20, 20]          positions of the first and the last column along the axis
+///     classes:                              in ascending order; the last one has no bound
 ///       - {below_g_per_cm3: 1, material: cancellous}
 ///       - {material: cortical}
 ///

@@ -9,7 +9,8 @@
 namespace osteon::config {
 namespace {
 
-// Reads section `fri` for both ends: returns the loop's session, and sets the simulated arm's.
+// Reads section `fri` for both ends of the connection: returns the parameters of the loop's end, and sets
+// those of the simulated arm in `arm`.
 io::FriSessionParams ReadFri(Reader section, hil::FriServerParams& arm) {
   io::FriSessionParams session;
   arm.send_period_ms = section.WholeNumber("period_ms", 1, 20);
@@ -61,7 +62,7 @@ void CheckLinkQuality(const Reader& section, const hil::FriServerParams& fri) {
                                quality.excellent_after_answers, answers_per_s));
 }
 
-// Reads section `rsi` for the loop's end. @param jump_accepted  becomes accept_jump_after_lost_answers
+// Reads section `rsi` for the loop's end. @param[out] jump_accepted  value of accept_jump_after_lost_answers
 io::RsiSessionParams ReadRsi(Reader section, bool& jump_accepted) {
   io::RsiSessionParams session;
   session.layout =
@@ -140,7 +141,8 @@ ArmLinkSections ReadArmLink(Reader& cell_section, CellConfig& cell) {
 }
 
 void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
-  // beyond the loopback, a stranger's datagram could be taken for the arm's first message
+  // On an address other than the loopback's, a datagram of any machine could be taken for the arm's first
+  // message.
   const std::string& host = cell.guard ? cell.guard->host : cell.link.host;
   if (!host.starts_with("127.") && cell.link.arm_host.empty())
     sections.link.Refuse("arm_host",
@@ -159,7 +161,8 @@ void CheckArmLink(const ArmLinkSections& sections, const CellConfig& cell) {
   if (session.ipoc_step != 1 && session.ipoc_step != session.cycle_ms)
     link.Refuse("ipoc_step_count",
                 fmt::format("found {}, accepted 1, or cycle_ms ({})", session.ipoc_step, session.cycle_ms));
-  // the controller ends RSI where a correction leaves its monitor's range [mm, deg]
+  // The robot's controller ends RSI if a correction leaves the range of its monitor [mm, deg], so the loop's
+  // range must not be larger.
   const hil::Six& monitor = cell.simulated.kr->controller.range;
   for (std::size_t i = 0; i < 6; ++i)
     if (cell.has_simulation && session.range[i] > monitor[i])

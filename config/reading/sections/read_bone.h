@@ -8,9 +8,9 @@
 
 namespace osteon::config {
 
-/// Reads the mesh or packing that takes the scene's place.
+/// Reads the mesh or packing that replaces the scene's generated bone.
 /// @param scene  replaced by the section's own scene, if it names one
-/// @returns nothing where the section names neither mesh nor packing.
+/// @returns nothing if the section names neither mesh nor packing.
 [[nodiscard]] std::optional<BoneConfig> ReadBone(Reader section, std::filesystem::path& scene);
 
 }  // namespace osteon::config

@@ -10,8 +10,8 @@
 namespace osteon::config {
 namespace {
 
-// Largest differences from the tool's file; the mass may differ by the larger of kMaxMassOff_kg and
-// kMaxMassOffShare of the file's mass.
+// Largest accepted differences of a calibration from the tool's file. The mass may differ by the larger of
+// kMaxMassOff_kg and kMaxMassOffShare × the file's mass.
 constexpr double kMaxMassOff_kg = 0.5, kMaxMassOffShare = 0.5, kMaxCenterOff_m = 0.05, kMaxApexOff_m = 0.02;
 
 // Reads section `payload`: the mass, centre of mass and bias that the loop subtracts from the sensor's

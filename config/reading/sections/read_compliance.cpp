@@ -18,15 +18,16 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kTableForce_N = 20.0;  // largest force at which a layer's stiffness is stated
+// largest force at which the table of compliant parts states a layer's stiffness
+constexpr double kTableForce_N = 20.0;
 
-// Reads whether a part gives way; off if the key is absent.
+// Reads whether a part is compliant; off if the key is absent.
 GivesWay ReadGivesWay(Reader& section, const char* key) {
   if (!section.Has(key)) return GivesWay::kOff;
   return static_cast<GivesWay>(section.Choice(key, {"off", "on", "auto"}));
 }
 
-// Reads section `bone_mount`, its place converted to W. @param source  becomes the values' source
+// Reads section `bone_mount` and converts the mount's position to W. @param[out] source  source of the values
 control::BoneMountParams ReadMount(Reader section, const Pose& X_WG, std::string& source) {
   control::BoneMountParams mount;
   source = section.Text("source");
@@ -44,7 +45,7 @@ control::BoneMountParams ReadMount(Reader section, const Pose& X_WG, std::string
   return mount;
 }
 
-// Whether the generated bone has no cartilage, though its scene names the material.
+// Whether the generated bone has no cartilage (thickness 0), although its scene names a material for it.
 bool IsCartilageWornOff(const CellConfig& cell) {
   if (cell.bone) return false;
   if (const auto* cup = std::get_if<simulation::AcetabulumShape>(&cell.scene.shape))
@@ -53,15 +54,15 @@ bool IsCartilageWornOff(const CellConfig& cell) {
   return head && !(head->cartilage_m > 0.0);
 }
 
-// The cell's surface layer. A scene with cartilage has it as its first material.
+// The cell's surface layer. In a scene with cartilage, the cartilage is the first material.
 control::SurfaceLayerParams LayerOf(const CellConfig& cell) {
   std::vector<simulation::Material> materials = cell.scene.materials;
   if (!materials.empty() && IsCartilageWornOff(cell)) materials.front().layer_N_per_m3 = 0.0;
   return SurfaceLayerOf(materials, cell.tool.tool, cell.cutting.engaged_layer_m);
 }
 
-// Radius of the cup that the tool goes into; 0 if there is none, or if the cup comes from a packing file,
-// which is not read here.
+// Radius of the cup that the tool enters. 0 if there is no cup, or if the cup is stated only in a packing
+// file, which is not read here.
 double CupRadiusOf(const CellConfig& cell) {
   if (cell.scene.zone.kind != simulation::ZoneParams::Kind::kCup) return 0.0;
   if (cell.bone) return cell.bone->cup ? cell.bone->cup->radius_m : 0.0;
@@ -69,19 +70,21 @@ double CupRadiusOf(const CellConfig& cell) {
   return shape ? shape->cup_radius_m : 0.0;
 }
 
-// Largest push along the feed [N]: the script's, or on a real cell the coupling's force limit.
+// Largest push along the feed [N]: that of the operator's script; in a cell without simulation, the
+// coupling's force limit.
 double PushOf(const CellConfig& cell) {
   if (!cell.has_simulation) return cell.servo.wrench.max_force_N;
   return std::visit([](const auto& script) { return script.push_force_N; }, cell.script);
 }
 
-// Refuses a key of the section, if there is a refusal.
+// Throws the refusal at its key of the section, if there is one.
 void RefuseBy(const Reader& section, const std::optional<ComplianceRefusal>& refusal) {
   if (refusal) section.Refuse(refusal->key, refusal->text);
 }
 
-// The mass rule: with coupling stiffness K, virtual tool m_v and the mount's effective mass m_eff, the loop
-// on a rigid bone must be stable up to K (1 + m_v / m_eff) (hil/loops/mount_rule.h).
+// The mass rule: the loop on a rigid bone must be stable up to the stiffness K (1 + m_v / m_eff), with the
+// coupling's stiffness K, the virtual tool's mass m_v and the mount's effective mass m_eff at the site
+// (hil/loops/mount_rule.h).
 void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
   if (!cell.has_simulation || cell.servo.law != control::Law::kAdmittance) return;
   const auto& hand = cell.simulated.hand;
@@ -108,14 +111,14 @@ void CheckMountMass(const Reader& bone_mount, const CellConfig& cell) {
                              1e-3 * rule.stable_up_to_N_per_m));
 }
 
-// A mode of the mount, for rule 2: the damping of mount, virtual tool and hand together must be at least the
-// hand's stiffness times the delay of the arm.
+// A vibration mode of the mount, for rule 2: the sum of the damping of mount, virtual tool and hand must be
+// at least the hand's stiffness times the arm's delay.
 struct MountMode {
   std::string name;
-  double critical_Ns_per_m;  // the mode's damping at the site where its ratio is 1
+  double critical_Ns_per_m;  // damping of the mode at the site if its damping ratio were 1
 };
 
-// The modes as the site C feels them: one along each axis, and one about each axis from which C has a lever.
+// The modes that move the site C: one along each axis, and one about each axis on which C does not lie.
 std::vector<MountMode> ModesOf(const control::BoneMountParams& mount, const Vector3& p_WC) {
   std::vector<MountMode> modes;
   const Vector3 levers_m2 = SquaredLevers_m2(mount, p_WC);
@@ -132,7 +135,8 @@ std::vector<MountMode> ModesOf(const control::BoneMountParams& mount, const Vect
   return modes;
 }
 
-// Rules 2 and 3, mode by mode. The hand is the simulated operator's, where there is one.
+// Checks rules 2 and 3 for each mode. The hand is that of the simulated operator; in a cell without one, only
+// the mount's own values are checked.
 void CheckMount(const Reader& section, const CellConfig& cell) {
   const control::BoneMountParams& mount = *cell.servo.compliance.mount;
   const double T = cell.servo.period_s;
@@ -146,7 +150,7 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
   // delay from the hand's force to the arm's motion: dead time, one period, and the servo's lag 2 zeta / w
   const double delay_s =
       (arm.dead_cycles + 1) * T + 2.0 * arm.damping_ratio / (2.0 * std::numbers::pi * arm.bandwidth_hz);
-  // of the virtual tool
+  // damping of the virtual tool, or of the impedance law
   const double damping = cell.servo.law == control::Law::kAdmittance
                              ? cell.servo.admittance.damping_Ns_per_m.minCoeff()
                              : cell.servo.impedance.damping_Ns_per_m.minCoeff();
@@ -162,12 +166,12 @@ void CheckMount(const Reader& section, const CellConfig& cell) {
   }
 }
 
-// Whether a part gives way. With `auto` it does if its effect matters.
+// Whether a part is compliant in the loop. With `auto`, it is if its effect matters.
 bool IsOn(GivesWay asked, bool known, bool matters) {
   return known && (asked == GivesWay::kOn || (asked == GivesWay::kAuto && matters));
 }
 
-// The three parts, without their effect, which CompliancePartsOf adds.
+// The functions below describe the three parts. CompliancePartsOf adds the effect of each part.
 CompliancePart ToolPart(const CellConfig& cell) {
   CompliancePart part{.name = "tool", .asked = cell.compliance.tool, .known = cell.tool.bending.has_value()};
   if (!part.known) return part;
@@ -238,7 +242,7 @@ void CompleteCompliance(const std::optional<Reader>& section, CellConfig& cell) 
   if (!section) return;
   const std::array<CompliancePart, 3> parts = CompliancePartsOf(cell);
   const auto& [tool, layer, mount] = parts;
-  // refuses `on` for a part whose values the files do not have; `what` names the missing values
+  // Refuses `on` for a part whose values are missing in the files. `what` names the missing values.
   const auto require = [&](const CompliancePart& part, const char* what) {
     if (part.asked == GivesWay::kOn && !part.known)
       section->Refuse(part.name, fmt::format("found on, accepted with {}", what));

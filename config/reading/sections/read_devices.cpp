@@ -11,8 +11,9 @@
 namespace osteon::config {
 namespace {
 
-constexpr double kOverspeed = 1.2;  // largest speed command of a drive, over the spindle's nominal speed
-constexpr double kQuickStop = 4.0;  // slope of a quick stop, over that of the usual ramp
+// largest speed command of a drive, as a multiple of the spindle's nominal speed
+constexpr double kOverspeed = 1.2;
+constexpr double kQuickStop = 4.0;  // slope of a quick stop, as a multiple of the slope of the usual ramp
 
 rt::Nanoseconds ToNanoseconds(double seconds) {
   return static_cast<rt::Nanoseconds>(std::llround(seconds * 1e9));
@@ -99,8 +100,8 @@ void ReadPlc(Reader section, CellConfig& cell) {
   server.logic.guard = section.Bool("guard");
 }
 
-// Without a PLC no input of osteon can withdraw the permission to move, so its absence must be stated in the
-// file.
+// Without a PLC, no input of Osteon can withdraw the permission to move. The cell's file must therefore state
+// explicitly that there is none.
 void RequirePlcOrItsAbsence(const DeviceSections& sections, const CellConfig& cell) {
   if (cell.devices.plc && sections.without_plc)
     sections.cell.Refuse("without_plc",
@@ -154,7 +155,7 @@ void CompleteDevices(const DeviceSections& sections, CellConfig& cell) {
     hil::DriveMotorParams& simulated = cell.simulated_devices.drive->motor;
     simulated.gear_ratio = motor.gear_ratio;
     simulated.rated_torque_Nm = motor.rated_torque_Nm;
-    // assumed: a motor that spins its tool up with half of its rated torque
+    // assumption: the motor accelerates its tool with half of its rated torque
     simulated.inertia_kg_m2 =
         0.5 * motor.rated_torque_Nm / (motor.gear_ratio * drive.acceleration_rad_per_s2);
   }

@@ -14,7 +14,7 @@ struct DeviceBus {
   std::string name;
 };
 
-/// Parts of the file that CompleteDevices needs.
+/// Sections and values of the file that CompleteDevices needs.
 struct DeviceSections {
   Reader cell;
   DeviceBus sensor;
@@ -26,9 +26,9 @@ struct DeviceSections {
 /// there is one, for the loop's drivers and for the simulated devices.
 [[nodiscard]] DeviceSections ReadDevices(Reader& cell_section, Reader& force_sensor, CellConfig& cell);
 
-/// After Finish() and with the tool loaded: completes the drive's values and the sensor's load, and checks
-/// the buses together. Refuses an unknown bus, devices that use the same identifiers, and a cell that has no
-/// PLC without saying so.
+/// Call after Finish() and after the tool is loaded. Computes the drive's limits and the sensor's load from
+/// the tool, and checks the buses. Refuses an unknown bus, two devices with the same CAN identifiers, and a
+/// cell with neither `plc` nor `without_plc`.
 void CompleteDevices(const DeviceSections& sections, CellConfig& cell);
 
 }  // namespace osteon::config

@@ -14,14 +14,14 @@ struct EngineProcessSection {
   std::string process;
   std::optional<std::string> token_file;
 };
-/// Reads the section without checking the values, which are valid only after Finish().
+/// Reads the section. The values are valid only after Finish(), and CheckEngineProcess checks them.
 [[nodiscard]] EngineProcessSection ReadEngineProcess(Reader section);
 
 /// Checks and converts the section, after Finish(). `process` is `inside` (no process of its own), `local`,
 /// or "HOST:PORT" of an `osteon simulate` that listens there.
 /// @returns nothing for `inside`
-/// @throws ConfigError for any other `process`, for an engine beyond the loopback without `token_file`, and
-///   for `inside` or `local` with one.
+/// @throws ConfigError for any other `process`, for an engine at an address other than the loopback's without
+///   `token_file`, and for `token_file` together with `inside` or `local`.
 [[nodiscard]] std::optional<EngineProcessConfig> CheckEngineProcess(const EngineProcessSection& read);
 
 }  // namespace osteon::config

@@ -7,7 +7,8 @@
 namespace osteon::config {
 namespace {
 
-// The keys that must be present: all in a cell's file; any choice of them in a file that overrides it.
+// Which keys must be present. kAll: every key, in a cell's file. kAny: any subset, in a file that overrides a
+// cell's gains.
 enum class Keys { kAll, kAny };
 
 // Whether to read a key. With kAll an absent key is read too, so that Finish() reports it.
@@ -66,7 +67,7 @@ void ApplyGainsFile(const std::filesystem::path& file, control::Law law,
     reader.Refuse(
         "admittance",
         "found for a cell with the impedance law, which has no virtual tool; accepted coupling alone");
-  // copies, so that an error leaves the caller's gains unchanged
+  // work on copies, so that an error leaves the caller's gains unchanged
   control::AdmittanceParams new_admittance = admittance;
   control::CouplingParams new_coupling = coupling;
   if (reader.Has("admittance")) {
@@ -93,7 +94,8 @@ control::Gains ReadGainsAgain(const std::filesystem::path& file, control::Law la
   control::CouplingParams coupling;
   control::ApplyGains(own, admittance, coupling);
   ApplyGainsFile(file, law, admittance, coupling, max_stiffness_N_per_m);
-  // the file's stiffness is within the maximum by now; the cell's own, if the file has none, may be above it
+  // If the gains file has a stiffness, it is at most the maximum. If not, the cell's own stiffness is used,
+  // which may exceed the maximum.
   coupling.max_stiffness_N_per_m = std::min(coupling.max_stiffness_N_per_m, max_stiffness_N_per_m);
   return control::GainsOf(admittance, coupling);
 }

@@ -12,7 +12,8 @@ namespace {
 // Default of max_tool_in_bone_mm: twice the depth at which the coupling reaches its force limit, plus this.
 constexpr double kToolInBoneMargin_m = 3e-3;
 
-// Reads the shape's own keys: a half-space's face or another shape's centre, and its dimensions.
+// Reads the keys of a zone's shape: a point on the face of a half-space, or the centre of another shape, and
+// the shape's dimensions.
 void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
   using safety::ZoneShape;
   zone.shape =
@@ -45,7 +46,7 @@ void ReadShapeKeys(Reader& section, safety::ZoneParams& zone) {
   }
 }
 
-// Reads a shape and converts it to W, in whichever frame its keys are.
+// Reads a shape. If its keys are in the bone's frame, converts it to W.
 void ReadShape(Reader& section, const Pose& X_WG, safety::ZoneParams& zone) {
   ReadShapeKeys(section, zone);
   if (!IsInBoneFrame(section)) return;
@@ -75,7 +76,7 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
   servo.max_tracking_error_m = section.Number("max_tracking_error_mm", 1, 200);
   if (lbr) servo.arm_angle_rate_rad_per_s = section.Number("arm_angle_rate_deg_per_s", 0.1, 57);
   servo.model_sight_m = section.Number("model_sight_mm", 0.01, 100);
-  // the bounds from here on are optional; where two limit the same quantity, the tighter one applies
+  // The bounds below are optional. If two bounds limit the same quantity, the tighter one applies.
   if (section.Has("max_elbow_speed_mm_per_s"))
     servo.max_elbow_speed_m_per_s = section.Number("max_elbow_speed_mm_per_s", 1, 2000);
   if (section.Has("max_stored_J")) servo.energy.max_stored_J = section.Number("max_stored_J", 0.01, 1000);
@@ -89,7 +90,8 @@ void ReadLimits(Reader section, bool lbr, control::ServoParams& servo) {
     servo.energy.max_kinetic_J = section.Number("max_kinetic_J", 0.001, 100);
     servo.energy.moving_mass_kg = section.Number("moving_mass_kg", 0.1, 500);
   }
-  // these are still ratios of the tool's values; load_cell converts them to a torque and a speed
+  // Torque and speed are still ratios of the tool's values here. PropagateSharedValues (load_cell.cpp)
+  // converts them.
   if (section.Has("spindle_torque_ratio")) {
     servo.spindle_limits.max_torque_Nm = section.Number("spindle_torque_ratio", 0.1, 100);
     servo.spindle_limits.max_speed_rad_per_s = section.Number("spindle_speed_ratio", 1.01, 10);

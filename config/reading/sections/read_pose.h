@@ -4,7 +4,7 @@
 
 namespace osteon::config {
 
-/// Places are at most this far from the origin of their frame, along each axis.
+/// Largest accepted coordinate of a position, in magnitude, in its frame [mm].
 inline constexpr double kRoom_mm = 5000;
 
 /// Reads a section with position_mm and rpy_deg: rotations about the fixed x, then y, then z axis (as in

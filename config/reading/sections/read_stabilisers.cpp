@@ -9,7 +9,7 @@ void ReadAgeGovernor(Reader section, control::Law law, control::AgeGovernorParam
   governor.max_damping_factor = section.Number("damping_ratio", 1, 1000);
   governor.release_s = section.Number("release_ms", 1, 10000);
   if (law != control::Law::kImpedance)
-    return;  // in position mode the arm has no damping of its own that acts on the tool
+    return;  // admittance law: an arm in position mode has no damping of its own that acts on the tool
   if (section.Has("arm_damping_Ns_per_m"))
     governor.arm_damping_Ns_per_m = section.Number("arm_damping_Ns_per_m", 0, 1000);
   if (section.Has("arm_damping_Nms_per_rad"))

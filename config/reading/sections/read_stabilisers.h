@@ -5,7 +5,8 @@
 
 namespace osteon::config {
 
-/// Reads a cell's optional sections `age_governor`, `passivity` and `energy_tank`; after its law.
+/// Reads a cell's optional sections `age_governor`, `passivity` and `energy_tank`. Call after the law is
+/// read.
 void ReadStabilisers(Reader& cell, control::Law law, control::StabiliserParams& stabilisers);
 
 }  // namespace osteon::config

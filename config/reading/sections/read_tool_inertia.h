@@ -5,8 +5,8 @@
 
 namespace osteon::config {
 
-/// Reads how the tool's inertia is compensated in the sensor's wrench, from the cell's `force_sensor`:
-/// inertia_share_ratio and acceleration_hz. If they are absent, inertia is not compensated.
+/// Reads the compensation of the tool's inertia in the sensor's wrench: keys inertia_share_ratio and
+/// acceleration_hz of the cell's `force_sensor`. If the keys are absent, inertia is not compensated.
 void ReadToolInertia(Reader& section, control::ForceSensorParams& sensor);
 
 }  // namespace osteon::config

@@ -15,7 +15,7 @@ using hil::WireFaults;
 
 constexpr double kLongest_s = 86400.0;  // latest begin and end of an injection
 constexpr double kLongest_ms = 200.0;   // longest delay and jitter
-// Keys of which an injection needs at least one.
+// An injection needs at least one of these keys.
 constexpr std::array kFaults{"loss_ratio", "duplicate_ratio", "reorder_ratio", "corrupt_ratio",
                              "delay_ms",   "jitter_ms",       "silence"};
 
@@ -29,8 +29,8 @@ rt::Nanoseconds ReadTime(Reader& section, const char* key) {
   return section.Has(key) ? std::llround(section.Number(key, 0, kLongest_ms) * 1e9) : 0;
 }
 
-// Refuses faults that Modbus over TCP cannot have: a stream delivers no packet twice, reordered or damaged,
-// and an injection acts on both of its directions.
+// Refuses faults that Modbus over TCP cannot have. A TCP stream delivers no packet twice, reordered or
+// damaged. An injection acts on both directions of the stream.
 void RefuseOnTcp(Reader& section, const hil::Injection& injection) {
   for (const char* key : {"duplicate_ratio", "reorder_ratio", "corrupt_ratio", "burst_count"})
     if (section.Has(key))
@@ -60,7 +60,7 @@ hil::Injection ReadInjection(Reader& section) {
   faults.delay = ReadTime(section, "delay_ms");
   faults.jitter = ReadTime(section, "jitter_ms");
   faults.silence = section.Has("silence") && section.Bool("silence");
-  section.Finish();  // report a gap or a misspelt key first
+  section.Finish();  // report a missing or misspelt key before the errors below
 
   if (injection.to_s <= injection.from_s)
     section.Refuse("to_s", fmt::format("found {:.10g}, accepted more than from_s ({:.10g})", injection.to_s,

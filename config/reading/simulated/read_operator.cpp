@@ -8,7 +8,7 @@ namespace osteon::config {
 namespace {
 
 // Reads an incident in which something holds the tool: the keys that grip step and clamp share.
-// @param bound_factor  on the upper bounds of a hand's values
+// @param bound_factor  factor on the upper bounds of a hand's stiffness and damping
 template <typename Held>
 Held ReadHeld(Reader& section, double bound_factor) {
   Held held;
@@ -54,7 +54,7 @@ hil::HandIncident ReadIncident(Reader& section, double max_force_N) {
   }
 }
 
-// Reads the list `incidents` and refuses one that begins before the previous one is over.
+// Reads the list `incidents`. Refuses an incident that begins before the previous one is over.
 hil::HandIncidents ReadIncidents(Reader& section, double max_force_N) {
   hil::HandIncidents incidents;
   double free_s = 0.0;  // earliest begin of the next incident
@@ -88,7 +88,7 @@ void ReadOperator(Reader section, hil::OperatorHandParams& hand) {
   hand.tremor_N = section.Number("tremor_N", 0, 50);
   hand.tremor_seed = static_cast<std::uint64_t>(section.WholeNumber("tremor_seed", 0, 1'000'000'000));
   if (!section.Has("incidents")) return;
-  section.Finish();  // the incidents are checked against the hand
+  section.Finish();  // the hand's values must be valid, because the incidents are checked against them
   hand.incidents = ReadIncidents(section, hand.max_force_N);
 }
 

@@ -14,11 +14,11 @@ namespace osteon::config {
 ///       - {kind: startled_release, at_s: 7, jerk_N: 40, jerk_ms: 50, jerk_axis: [0, 0, 1], release_ms: 30,
 ///          away_ms: 200, return_ms: 300}
 ///
-/// Without until_s and away_ms an incident never ends. jerk_axis is in the site's frame (+z out of the bone).
-/// Their effects: hil/operator/operator_incidents.h. This function finishes the section, so gaps and typos
-/// are refused here.
-/// @throws ConfigError, also if an incident begins before the one ahead of it in the list is over, ends
-///   before it begins, or jerks with more than max_force_N.
+/// Without until_s or away_ms, an incident never ends. jerk_axis is in the site's frame (+z out of the bone).
+/// hil/operator/operator_incidents.h describes the effects. If there are incidents, this function also
+/// refuses missing and unknown keys of the section.
+/// @throws ConfigError, also if an incident begins before the previous one in the list is over, ends before
+///   it begins, or jerks with more than max_force_N.
 void ReadOperator(Reader section, hil::OperatorHandParams& hand);
 
 }  // namespace osteon::config

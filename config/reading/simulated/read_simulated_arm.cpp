@@ -17,7 +17,8 @@ void ReadMount(Reader section, hil::FlexibleMountParams& mount) {
   mount.inertia_kg_m2 = section.Number("inertia_kg_m2", 0.01, 1000);
 }
 
-// Reads section `dynamic`. The friction's shares are kept until the robot's torque limits are known.
+// Reads section `dynamic`. Friction is stated as a share of the robot's torque limits, which are not known
+// yet: `kept` stores the shares.
 void ReadDynamicArm(Reader section, hil::DynamicArmParams& arm, SimulatedArmSection& kept) {
   arm.mass_error = section.Number("mass_error_ratio", -0.5, 0.5);
   kept.coulomb_share = section.Number("coulomb_ratio", 0, 0.2);
@@ -50,7 +51,7 @@ SimulatedArmSection ReadSimulatedArm(Reader section, CellConfig& cell) {
   servo.bandwidth_hz = section.Number("bandwidth_hz", 0.5, 200);
   servo.damping_ratio = section.Number("damping_ratio", 0.1, 5);
   servo.dead_cycles = section.Number("dead_time_ms", 0, 30) / cell.servo.period_s;
-  // division leaves a rounding error: use the whole number of cycles that is meant
+  // The division leaves a rounding error. Round a number that is almost whole.
   if (const double whole = std::round(servo.dead_cycles); std::abs(servo.dead_cycles - whole) < 1e-9)
     servo.dead_cycles = whole;
   if (section.Has("start_offset_deg")) {

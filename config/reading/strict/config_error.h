@@ -8,7 +8,7 @@ namespace osteon::config {
 /// An error in a configuration file, as "file:line: key: found …, accepted …".
 class ConfigError : public std::runtime_error {
  public:
-  /// @param line  counted from 1; 0 for the whole file, and then left out of the text.
+  /// @param line  counted from 1; 0 if the error concerns the whole file: the text then has no line number
   ConfigError(const std::string& file, int line, const std::string& what);
 
   [[nodiscard]] const std::string& file() const { return file_; }

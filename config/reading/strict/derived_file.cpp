@@ -21,7 +21,7 @@ void SetValue(YAML::Node node, const std::string& key, const std::string& value)
     SetValue(node[key.substr(0, dot)], key.substr(dot + 1), value);
 }
 
-// Sets in `node` each value of another mapping, section by section; a list is replaced as a whole.
+// Copies each value of `values` into `node`, section by section. A list is replaced as a whole.
 void Merge(const YAML::Node& values, YAML::Node node) {
   for (const auto& entry : values) {
     const std::string key = WrittenKey(node, entry.first.Scalar());
@@ -48,13 +48,15 @@ void UseWholePaths(YAML::Node file, const std::filesystem::path& source) {
   }
 }
 
-// Reads a file, and merges it into the file that it extends, if there is one.
+// Reads a file. If it extends another file, returns the other file's content with this file's values merged
+// into it.
 YAML::Node LoadMerged(const std::filesystem::path& source) {
   YAML::Node file = YAML::LoadFile(source.string());
   UseWholePaths(file, source);
   if (!file["extends"]) return file;
   const std::string base_name = file["extends"].Scalar();
-  std::filesystem::path base_file = base_name;  // a whole path by now, unless it is a name alone
+  // UseWholePaths has made it absolute, unless it is a name without a path
+  std::filesystem::path base_file = base_name;
   if (!base_name.ends_with(".yaml")) base_file = ConfigFileTracker::FindByName(source, "cells", base_name);
   YAML::Node base = YAML::LoadFile(base_file.string());
   UseWholePaths(base, base_file);

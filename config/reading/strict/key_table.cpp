@@ -12,9 +12,10 @@
 namespace osteon::config {
 namespace {
 
-thread_local KeyRecorder* present_recorder = nullptr;  // of this thread's RecordKeys, while it runs
+// the recorder of this thread while RecordKeys runs; otherwise null
+thread_local KeyRecorder* present_recorder = nullptr;
 
-constexpr std::size_t kMaxRuns = 5000;  // number of a loader's runs after which RecordKeys gives up
+constexpr std::size_t kMaxRuns = 5000;  // number of runs of a loader after which RecordKeys fails
 
 using Keys = std::set<std::string>;
 
@@ -24,7 +25,7 @@ Keys Intersection(const Keys& a, const Keys& b) {
   return common;
 }
 
-// The table of a place such as "zones[].", made if it is not there.
+// The table of a place such as "zones[]."; created if it does not exist.
 KeyTable& TableAt(KeyTable& table, const std::string& place) {
   KeyTable* at = &table;
   for (std::size_t begin = 0; begin < place.size();) {
@@ -83,7 +84,7 @@ Keys KnownIn(const KeyRecorder::Mapping& mapping) {
   return known;
 }
 
-// The keys that a loader read in a mapping without asking whether they are there.
+// The keys that a loader read in a mapping without first asking whether they are present.
 Keys NeededIn(const KeyRecorder::Mapping& mapping) {
   Keys needed;
   for (const auto& [key, ignored] : mapping.keys)
@@ -91,19 +92,21 @@ Keys NeededIn(const KeyRecorder::Mapping& mapping) {
   return needed;
 }
 
-// Adds the keys of a run's mappings to the table, and keeps in `required` only keys that every run requires.
+// Adds the keys of a run's mappings to the table. Removes from `required` the keys that this run does not
+// require.
 void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required, KeyTable& table) {
   for (const auto& [place, mapping] : run.mappings) {
     KeyTable& table_at_place = TableAt(table, place);
     for (const auto& [key, info] : mapping.keys) {
       KeyInfo& known = table_at_place.keys.try_emplace(key, info).first->second;
       if (known.type == KeyInfo::Type::kAny) known = info;
-      known.min = std::min(known.min, info.min);  // ranges differ between runs: the table has the widest
+      known.min = std::min(known.min, info.min);  // the range may differ between runs: keep the widest
       known.max = std::max(known.max, info.max);
       if (known.size != info.size) known.size = 0;
     }
     if (!mapping.finished) continue;
-    for (const auto& [key, is_there] : mapping.optional)  // optional keys that are read elsewhere
+    // optional keys that the loader asked for but did not read
+    for (const auto& [key, is_there] : mapping.optional)
       if (is_there) table_at_place.keys.try_emplace(key, KeyInfo{.type = KeyInfo::Type::kAny});
     const Keys needed = NeededIn(mapping);
     const auto [all, is_first] = required.try_emplace(place, needed);
@@ -111,8 +114,8 @@ void AddKeys(const KeyRecorder::Run& run, std::map<std::string, Keys>& required,
   }
 }
 
-// Adds the cases of one key: the keys that depend on its word.
-// @param runs  the mapping in runs that differ only in the answer for this key
+// Adds the cases of one key: for each word of the key, the keys that depend on this word.
+// @param runs  the notes on the mapping from several runs, which differ only in the word of this key
 void AddCases(const std::string& place, const std::string& key,
               const std::vector<const KeyRecorder::Mapping*>& runs, KeyTable& table) {
   Keys somewhere, everywhere = KnownIn(*runs.front()), always = NeededIn(*runs.front());
@@ -121,7 +124,8 @@ void AddCases(const std::string& place, const std::string& key,
     everywhere = Intersection(everywhere, KnownIn(*run));
     always = Intersection(always, NeededIn(*run));
   }
-  // a word's case: keys that only other words have are excluded, keys that not all words need are required
+  // The case of a word: keys that occur only with other words are excluded, and keys that this word needs but
+  // not every word needs are required.
   for (const KeyRecorder::Mapping* run : runs) {
     KeyCase one{.key = key, .word = run->words.at(key), .required = {}, .excluded = {}};
     const Keys known = KnownIn(*run), needed = NeededIn(*run);
@@ -135,9 +139,10 @@ void AddCases(const std::string& place, const std::string& key,
 
 KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& load) {
   if (present_recorder) throw std::logic_error("config: RecordKeys inside another");
-  std::deque<Answers> waiting{{}};                      // answers of the runs that are still to be made
-  std::set<std::pair<std::string, std::size_t>> tried;  // questions, each with an answer given in some run
-  std::set<Answers> seen{{}};                           // answers queued after runs that did not end
+  std::deque<Answers> waiting{{}};  // answers of the runs that are still to be made
+  // pairs of question and answer that were already queued
+  std::set<std::pair<std::string, std::size_t>> tried;
+  std::set<Answers> seen{{}};  // sets of answers that were queued because a run did not end
   std::vector<KeyRecorder::Run> runs;
   // Runs the loader once with these answers. Appends to `runs`; returns the questions that were asked.
   const auto record = [&](const Answers& answers) {
@@ -147,14 +152,15 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     try {
       load("recorded.yaml");
     } catch (const KeyRecorder::Ended&) {
-    } catch (const std::exception&) {  // these answers contradict each other
+    } catch (const std::exception&) {  // the loader refused these answers, because they contradict each other
     }
     present_recorder = nullptr;
     runs.push_back(std::move(recorder.run_));
     return std::move(recorder.asked_);
   };
   constexpr std::string_view kChoice = "choice ";
-  // the questions about words in runs that ended: the run's answers, and the number of words
+  // For each question about a key's word, from a run that ended: the answers of that run, and the number of
+  // words.
   std::map<std::string, std::pair<Answers, std::size_t>> choices;
   while (!waiting.empty()) {
     if (runs.size() == kMaxRuns) throw std::logic_error("config: a loader asks without end");
@@ -162,7 +168,8 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     waiting.pop_front();
     const auto asked = record(answers);
     const bool ended = runs.back().mappings.contains("") && runs.back().mappings.at("").finished;
-    // If a run did not end, the answer to its last question probably contradicts the others: try all answers.
+    // If a run did not end, the answer to its last question probably contradicts the earlier answers: try all
+    // answers to it.
     if (!ended && !asked.empty())
       for (std::size_t answer = 0; answer < asked.back().second; ++answer) {
         Answers other = answers;
@@ -179,8 +186,8 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
     }
   }
 
-  // For each question about a word: one run for each word, with all other answers equal, shows which keys
-  // depend on the word.
+  // For each key with words, run the loader once per word, with all other answers unchanged. The differences
+  // between these runs show which keys depend on the word.
   KeyTable table;
   for (const auto& [question, choice] : choices) {
     const std::size_t dot = question.rfind('.');
@@ -198,7 +205,7 @@ KeyTable RecordKeys(const std::function<void(const std::filesystem::path&)>& loa
         mappings_of_place.push_back(&at->second);
     if (mappings_of_place.size() > 1) AddCases(place, key, mappings_of_place, table);
   }
-  std::map<std::string, Keys> required;  // by place
+  std::map<std::string, Keys> required;  // keys that every run requires, by place
   for (const KeyRecorder::Run& run : runs) AddKeys(run, required, table);
   for (const KeyRecorder::Run& run : runs)
     for (const auto& [place, ignored] : run.mappings)

@@ -5,10 +5,11 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::size_t kLongestKey = 100;  // longer keys are not worth the quadratic work
+// longer keys are not compared, because the work grows with the square of the length
+constexpr std::size_t kLongestKey = 100;
 
-// Optimal string alignment distance: Levenshtein's, with a swap of neighbours as one edit. Three rows of its
-// table are kept: `before` belongs to i - 2, `last` to i - 1, `row` to i letters of a.
+// Optimal string alignment distance: Levenshtein's, with a swap of neighbours as one edit. Only three rows of
+// its table are stored: `before`, `last` and `row`, for the first i - 2, i - 1 and i letters of a.
 std::size_t Distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -31,7 +32,7 @@ std::size_t Distance(const std::string& a, const std::string& b) {
 std::string NearestKey(const std::string& key, const std::vector<std::string>& candidates) {
   if (key.size() > kLongestKey) return {};
   std::string nearest;
-  // at first the smallest distance that is too large, then that of the nearest candidate
+  // begins with the smallest distance that is too large, then is the distance of the nearest candidate so far
   std::size_t min_distance = std::max<std::size_t>(1, key.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = Distance(key, candidate);

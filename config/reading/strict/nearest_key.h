@@ -5,8 +5,9 @@
 
 namespace osteon::config {
 
-/// The candidate that turns into `key` with the fewest edits (insert, delete, replace a letter, or swap two
-/// neighbours); empty if all need more edits than a third of its length, as such a guess does not help.
+/// The candidate that becomes `key` with the fewest edits. An edit inserts, deletes or replaces a letter, or
+/// swaps two neighbours. Empty if every candidate needs more edits than a third of the key's length, because
+/// such a guess does not help.
 [[nodiscard]] std::string NearestKey(const std::string& key, const std::vector<std::string>& candidates);
 
 }  // namespace osteon::config

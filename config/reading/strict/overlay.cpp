@@ -14,7 +14,8 @@
 namespace osteon::config {
 namespace {
 
-thread_local Overlay* present_overlay = nullptr;  // this thread's, while it exists
+// the overlay of this thread, while it exists; otherwise null
+thread_local Overlay* present_overlay = nullptr;
 
 // Whether a text consists of words separated by dots, as "limits.max_force_N".
 bool IsKey(const std::string& key) {
@@ -72,7 +73,7 @@ void Overlay::Set(const std::string& assignment, const std::string& said_by) {
   } catch (const YAML::Exception& error) {
     throw ConfigError(name, 0, "not YAML: " + error.msg);
   }
-  // make a new list: assigning to a YAML::Node would change the node that it shares with the file
+  // A new list is made, because assigning to a YAML::Node would change the node that it shares with the file.
   std::vector<Value> kept;
   for (Value& earlier : values_)
     if (earlier.key != key) kept.push_back(std::move(earlier));

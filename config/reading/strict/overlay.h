@@ -12,22 +12,23 @@ class Node;
 
 namespace osteon::config {
 
-/// For Reader: a value that overrides one of a mapping.
+/// For Reader: a value that overrides a value of a mapping.
 struct OverlaidValue {
   const std::string& key;
   int line{0};  ///< of the key
   const YAML::Node& value;
   const std::filesystem::path& file;  ///< the file that contains the value
-  bool only_where_missing{false};     ///< a section created for values inside it: the mapping's own stays
+  /// an empty section for values inside it; used only if the mapping does not have the section
+  bool only_where_missing{false};
 };
 
 /// While an object exists, a configuration file and the files that it names are read with some values
 /// overridden, in this thread. An error in such a value names the file and the line that contain it.
 ///
 ///     overrides:
-///       limits.max_force_N: 150            # of a section; created if missing
-///       injections: [{wire: arm, …}]       # a whole section or list
-///       scene.packing.spacing_mm: 3        # of the file that the key `scene` names
+///       limits.max_force_N: 150            # a value in a section, which is created if missing
+///       injections: [{wire: arm, …}]       # a whole list or section
+///       scene.packing.spacing_mm: 3        # a value in the file that the key `scene` names
 ///
 /// Relative paths in an override start from the folder of the file that contains it. A thread may have one
 /// object at a time.
@@ -42,18 +43,19 @@ class Overlay {
   /// Overrides values of the root by the mapping `key` of a YAML file; does nothing without such a key.
   /// @throws ConfigError if it is not a mapping of different keys.
   void SetFromFile(const std::filesystem::path& file, const std::string& key);
-  /// Overrides one value of the root. @param assignment  "limits.max_force_N=150"; errors quote it, after
-  /// `said_by`. @throws ConfigError if it is not an assignment.
+  /// Overrides one value of the root. @param assignment  "limits.max_force_N=150"; errors quote it, preceded
+  /// by `said_by`. @throws ConfigError if it is not an assignment.
   void Set(const std::string& assignment, const std::string& said_by);
-  /// Call after the root was read. @throws ConfigError if a value had no effect: a key that leads through a
-  /// number, or into a file that was not read.
+  /// Call after the root was read. @throws ConfigError if a value had no effect, because its key leads into a
+  /// number or into a file that was not read.
   void Finish() const;
 
-  /// For Reader: the prefix of the keys of a named file; empty if no override concerns it.
+  /// For Reader: the prefix of the override keys that refer to a file, such as "scene."; nothing if no key
+  /// that was read names the file.
   [[nodiscard]] static std::optional<std::string> PlaceOf(const std::filesystem::path& file);
   /// For Reader: records that a key names a file. @param place  the key followed by a dot
   static void RecordNamedFile(const std::filesystem::path& file, const std::string& place);
-  /// For Reader: passes on the values that override the mapping at a place.
+  /// For Reader: calls `take` with each value that overrides a value of the mapping at a place.
   static void ApplyTo(const std::string& place, const std::function<void(const OverlaidValue&)>& take);
 
  private:

@@ -55,8 +55,8 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
   if (is_same_file(base_file, path))
     own.Refuse("extends",
                fmt::format("found {}, which is this file, accepted another one", base_file.string()));
-  // the extended file has a reader of its own, whose errors name that file: it must be a mapping of unique
-  // keys
+  // The extended file gets its own reader, so that errors in it (no mapping, or keys that are not unique)
+  // name that file.
   Reader base = Load(base_file);
   if (base.Has("extends")) {
     const std::string next = base.mapping_->Find("extends", "")->value.as<std::string>("");
@@ -77,7 +77,7 @@ Reader Reader::LoadExtending(const std::filesystem::path& path, const std::strin
         own.mapping_->FailValue("remove", key, "a key that " + base_file.string() + " has");
     }
   }
-  // A new mapping takes this file's entries, then those of the extended file, then the overrides.
+  // Make a new mapping of this file's entries, then those of the extended file, then the overrides.
   Reader merged(std::make_shared<YamlMapping>(path, document, LineOf(document), "", Overlay::PlaceOf(path),
                                               YamlMapping::Base{base_file, base_document}));
   merged.mapping_->known = {"extends", "remove"};
@@ -128,7 +128,7 @@ Vector3 Reader::Triple(const std::string& key, double min, double max) {
 Vector3 Reader::Direction(const std::string& key) {
   const Vector3 found = Triple(key, -1.0, 1.0);
   if (mapping_->recorder) return Vector3::UnitZ();
-  // a missing key gets an accepted value, and Finish() reports it
+  // for a missing key an accepted value is returned, and Finish() reports the key
   const auto has_key = [&](const YamlMapping::Entry& entry) { return entry.key == key; };
   if (std::none_of(mapping_->entries.begin(), mapping_->entries.end(), has_key)) return Vector3::UnitZ();
   if (!(std::abs(found.norm() - 1.0) <= 1e-3))

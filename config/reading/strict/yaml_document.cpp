@@ -17,7 +17,7 @@
 namespace osteon::config {
 namespace {
 
-constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;  // bytes; ours have a few kB
+constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;  // bytes; the shipped files have a few kB
 
 // Counts the documents that a parser finds, and notes whether any of them has content.
 class DocumentCounter final : public YAML::EventHandler {
@@ -47,7 +47,7 @@ class DocumentCounter final : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-// Whether a tab indents the line, which YAML forbids and its parser reports in several ways.
+// Whether the line is indented by a tab. YAML forbids this, but the parser's errors for it differ.
 bool HasTabInIndentation(const std::string& text, int line) {
   std::istringstream lines(text);
   std::string each;
@@ -67,8 +67,8 @@ bool ParsePlainNumber(const YAML::Node& node, T& value) {
   return error == std::errc() && stop == end && std::isfinite(static_cast<double>(value));
 }
 
-// Refuses control characters, of which YAML has only tab and the line's ends. So a text in UTF-16, with a NUL
-// at every other byte, is refused too.
+// Refuses control characters except tab and line ends, which are the only ones in YAML. This also refuses a
+// text in UTF-16, in which every other byte may be NUL.
 void RequireText(const std::string& text, const std::filesystem::path& name) {
   int line = 1;
   for (const char c : text) {
@@ -101,8 +101,8 @@ std::string ReadYamlText(const std::filesystem::path& path) {
 YAML::Node ParseYamlDocument(const std::string& text, const std::filesystem::path& name) {
   RequireText(text, name);
   try {
-    // YAML::LoadAll loops for ever on a text that begins with an invalid token (", a"): it consumes nothing
-    // and finds the same again. So documents are counted first, up to the second one.
+    // YAML::LoadAll never returns for a text that begins with an invalid token (", a"), because it does not
+    // consume the token. Therefore the documents are counted first, up to the second one.
     std::istringstream stream(text);
     YAML::Parser parser(stream);
     DocumentCounter counter;

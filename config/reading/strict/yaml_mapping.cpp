@@ -38,7 +38,7 @@ bool YamlMapping::Record(const std::string& key, KeyInfo info) const {
 }
 
 void YamlMapping::AddEntries(const YAML::Node& node) {
-  // lines of the keys; a map, as a hostile file may have a hundred thousand keys
+  // Lines of the keys. A map is used because a hostile file may have a hundred thousand keys.
   std::unordered_map<std::string, int> lines;
   for (const auto& pair : node) {
     if (!pair.first.IsScalar()) Fail(LineOf(pair.first), "a key must be a word");
@@ -110,7 +110,7 @@ std::string YamlMapping::KnownKeys() const {
 }
 
 void YamlMapping::Finish() const {
-  // report an unknown key before the missing keys: it is probably one of them, misspelt
+  // Report an unknown key before the missing keys, because it is probably a misspelt missing key.
   for (const Entry& entry : entries) {
     if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
     std::vector<std::string> candidates;

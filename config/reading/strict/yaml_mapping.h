@@ -13,16 +13,18 @@
 
 namespace osteon::config {
 
-/// For Reader: one mapping and the keys requested of it. A missing section is a YamlMapping too: it is
-/// absent, and notes nothing. Entries come from the file itself, from the file that it extends, and from an
-/// overlay; each says which file it stands in.
+/// For Reader: one mapping and the keys requested of it. A missing section is also a YamlMapping, with
+/// `absent` set; it records no missing keys. Entries come from the file itself, from the file that it
+/// extends, and from an overlay. Each entry stores which file contains it.
 struct YamlMapping {
   struct Entry {
     std::string key;
     int line{0};  ///< of the key
     YAML::Node value;
-    std::filesystem::path file;        ///< the file that contains the entry; an overlay's is another file
-    std::optional<YAML::Node> base{};  ///< the mapping of the extended file below this one
+    /// the file that contains the entry: this one, the extended one, or the overlay's
+    std::filesystem::path file;
+    /// if the entry is a mapping: the extended file's mapping of the same key
+    std::optional<YAML::Node> base{};
   };
   /// A key that was requested and is not in the file.
   struct Missing {
@@ -42,7 +44,7 @@ struct YamlMapping {
   YAML::Node document;               ///< the source of this file's own entries
   std::vector<Entry> entries;
   std::vector<std::string> known;                   ///< keys that were requested
-  std::vector<Missing> missing;                     ///< those of them that are not optional and not there
+  std::vector<Missing> missing;                     ///< requested keys that are neither optional nor present
   std::vector<std::shared_ptr<YamlMapping>> inner;  ///< sections that were requested
   KeyRecorder* recorder{nullptr};                   ///< null: values are read from a file
   std::string recorded_place;                       ///< place for the recorder, as "zones[]."
@@ -52,7 +54,7 @@ struct YamlMapping {
               std::optional<std::string> place_in = {}, const Base& base = {});
   /// A section that the file does not have.
   explicit YamlMapping(std::filesystem::path file_in) : file(std::move(file_in)), absent(true) {}
-  /// A mapping of no file, whose keys are recorded (RecordKeys).
+  /// A mapping without a file, for RecordKeys: its requested keys are recorded.
   YamlMapping(std::filesystem::path file_in, KeyRecorder& recorder_in, std::string place_in)
       : file(std::move(file_in)), absent(true), recorder(&recorder_in), recorded_place(std::move(place_in)) {}
 
@@ -65,14 +67,14 @@ struct YamlMapping {
   [[noreturn]] void FailValue(const std::string& key, const YAML::Node& node,
                               const std::string& accepted) const;
 
-  /// File and line of a key; of the mapping, if it does not have the key.
+  /// File and line of a key. If the mapping does not have the key, file and line of the mapping.
   [[nodiscard]] const std::filesystem::path& FileOf(const std::string& key) const;
   [[nodiscard]] int LineOfKey(const std::string& key) const;
-  /// Line of a key's value. YAML marks an absent value at the next token, so the key's line is used instead.
-  /// An override from the command line has no line.
+  /// Line of a key's value. For an absent value, the YAML parser reports the line of the next token; then the
+  /// key's line is returned. An override from the command line has no line.
   [[nodiscard]] int LineOfValue(const std::string& key, const YAML::Node& node) const;
 
-  /// The value of a key, or null (and the gap is noted).
+  /// The entry of a key. If there is none, returns null and records the key as missing.
   const Entry* Find(const std::string& key, const std::string& accepted);
   /// Reads the number in a key's node, in the unit of the key. @throws ConfigError outside the range
   [[nodiscard]] double NumberIn(const std::string& key, const YAML::Node& node, double min, double max) const;
