@@ -12,13 +12,14 @@ struct JacobianSvd {
   Eigen::Matrix<double, 6, 1> sigma{Eigen::Matrix<double, 6, 1>::Zero()};  ///< descending, >= 0
   /// Columns: right singular vectors; those after the sixth span the null space.
   Eigen::Matrix<double, N, N> V{Eigen::Matrix<double, N, N>::Identity()};
-  int sweeps{0};  ///< sweeps over all pairs of rows until they were orthogonal
+  int sweeps{0};  ///< number of sweeps over all pairs of rows until the rows were orthogonal
 };
 
 /// Computes the decomposition by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against
-/// each other until all are orthogonal. Small singular values are as accurate as large ones. Vectors with
-/// a sigma below 1e-14 of the largest are completed to a basis. `near`, the U of a similar
-/// Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the same values.
+/// each other until all are orthogonal. Small singular values are as accurate as large ones. Right singular
+/// vectors whose sigma is below 1e-14 of the largest are chosen so that V is an orthonormal basis. `near`,
+/// the U of a similar Jacobian (the tick before), saves most of the sweeps; any orthogonal matrix gives the
+/// same values.
 ///
 /// Source: Hestenes, Inversion of Matrices by Biorthogonalization, J. SIAM 6, 1958; Demmel and Veselić,
 /// Jacobi's Method Is More Accurate than QR, SIAM J. Matrix Anal. 13, 1992.
