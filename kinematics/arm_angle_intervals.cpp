@@ -24,8 +24,8 @@ Wave operator-(const Wave& a) { return {-a.c, -a.s, -a.k}; }
 Wave operator+(const Wave& a, const Wave& b) { return {a.c + b.c, a.s + b.s, a.k + b.k}; }
 Wave operator*(double factor, const Wave& a) { return {factor * a.c, factor * a.s, factor * a.k}; }
 
-// A vector that turns with the elbow: its components along the axis a, the elbow's direction e and the normal
-// m (lbr_elbow.h).
+// A vector that turns with the elbow, by its components along three directions of lbr_elbow.h: axis a,
+// direction e toward the elbow, normal m.
 struct TurningVector {
   double a, e, m;
 };
@@ -37,11 +37,11 @@ Wave Dot(const TurningVector& t, const ElbowCircle& circle, const Vector3& v) {
   return {t.e * up + t.m * side, t.e * side - t.m * up, t.a * circle.axis.dot(v)};
 }
 
-// A joint of configuration 0 as a function of the arm angle: q = atan2(y, x) if it turns, acos(x) if it
-// bends, or fixed_rad.
+// A joint of configuration 0 as a function of the arm angle: atan2(y, x) for a turning joint, acos(x) for a
+// bending joint, fixed_rad for a joint that the arm angle does not move.
 struct MovingJoint {
   enum class Kind { kTurning, kBending, kFixed } kind{Kind::kFixed};
-  Wave x, y;  // turning: direction; bending: x is the cosine
+  Wave x, y;  // turning joint: (x, y) is its direction; bending joint: x is its cosine, y is not used
   double fixed_rad{0.0};
 };
 
@@ -53,7 +53,7 @@ std::array<MovingJoint, 7> JointsOf(const ElbowTriangle& t, const ElbowCircle& c
                                     const Matrix3& R_BF, const JointVector& seed) {
   using enum MovingJoint::Kind;
   const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
-  // beta = |q4| - alpha; its sine by the law of sines, exact where the arm is straight
+  // beta = |q4| - alpha; its sine comes from the law of sines, which is exact for a straight arm
   const double sin_beta = upper_to_fore * t.sin_shoulder;
   const double cos_beta = t.cos_elbow * t.cos_shoulder + t.sin_elbow * t.sin_shoulder;
   const TurningVector u{t.cos_shoulder, t.sin_shoulder, 0.0}, d{-t.sin_shoulder, t.cos_shoulder, 0.0};
@@ -113,8 +113,8 @@ struct Ends {
 };
 
 // Whether every joint is within its limits at the arm angle psi.
-// @param sign  of each joint, by the configuration. -1: the joint takes its second solution, opposite in sign
-//   if it bends, turned by pi if it turns
+// @param sign  for each joint, ±1 by the configuration. -1 selects the second solution: a bending joint has
+// the opposite sign, a turning joint is turned by pi
 bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7>& sign,
             const std::array<JointLimits, 7>& limits, double psi_rad) {
   using enum MovingJoint::Kind;
@@ -136,7 +136,8 @@ bool Within(const std::array<MovingJoint, 7>& joints, const std::array<double, 7
 
 }  // namespace
 
-// More than 60 lines: the arcs between the roots are made, tested and merged in one walk round the circle.
+// More than 60 lines, because one pass round the circle makes the arcs between the roots, tests them and
+// merges them.
 ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int configuration,
                                         const JointVector& seed) OSTEON_RT {
   const LbrParams& params = arm.params();
@@ -149,7 +150,8 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
   const ElbowCircle circle = CircleAround(triangle.axis);
   const std::array<MovingJoint, 7> joints =
       JointsOf(triangle, circle, params.shoulder_to_elbow_m / params.elbow_to_wrist_m, X_BF.linear(), seed);
-  // signs of A2, A4 and A6; a turning joint turns by pi with each neighbour that is flipped
+  // Signs of A2, A4 and A6 in this configuration. Each flip of a bending joint turns the turning joints
+  // beside it by pi.
   const double sign2 = (configuration & 1) != 0 ? -1.0 : 1.0, sign4 = (configuration & 2) != 0 ? -1.0 : 1.0,
                sign6 = (configuration & 4) != 0 ? -1.0 : 1.0;
   const std::array<double, 7> sign{sign2, sign2, sign2 * sign4, sign4, sign4 * sign6, sign6, sign6};
@@ -170,7 +172,8 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
   }
   std::sort(ends.at.begin(), ends.at.begin() + ends.count);
 
-  // an arc belongs to an interval if its middle is within the limits; neighbouring arcs are merged
+  // An arc is allowed if its middle is within the limits. Allowed arcs that touch are merged into one
+  // interval.
   const auto within = [&](double psi_rad) { return Within(joints, sign, params.limits, psi_rad); };
   if (ends.count == 0) {
     if (within(0.0)) result.interval[static_cast<std::size_t>(result.count++)] = {-kPi, kPi};
@@ -188,7 +191,7 @@ ArmAngleIntervals FindArmAngleIntervals(const LbrArm& arm, const Pose& X_BF, int
     else
       result.interval[static_cast<std::size_t>(result.count++)] = {from, to};
   }
-  // the last arc and the first are neighbours too
+  // the last arc and the first touch at ±pi: merge them too
   if (result.count == 0) return result;
   ArmAngleInterval& begin = result.interval[0];
   ArmAngleInterval& end = result.interval[static_cast<std::size_t>(result.count - 1)];

@@ -17,8 +17,8 @@ struct ArmAngleInterval {
 
 /// The arm angles that the joint limits allow.
 struct ArmAngleIntervals {
-  /// Six joints follow the arm angle (A4 does not), and each meets each of its two limits at up to two
-  /// angles: 24 ends.
+  /// Six joints move with the arm angle (A4 does not). Each of them meets each of its two limits at up to two
+  /// arm angles, which gives at most 24 ends.
   static constexpr int kMax = 12;
 
   std::array<ArmAngleInterval, kMax> interval;  ///< disjoint, by rising from_rad; the first `count` are set
@@ -42,17 +42,19 @@ struct ArmAngleIntervals {
 ///
 /// With psi the arm angle, every component of the posture's axes is a wave c cos(psi) + s sin(psi) + k. The
 /// cosine of a bending joint (A2, A6) is such a wave, the tangent of a turning joint (A1, A3, A5, A7) is the
-/// quotient y/x of two. They meet a limit theta where a wave has a root:
+/// quotient y/x of two. A bending joint (left) or a turning joint (right) is at a limit theta if a wave is
+/// zero:
 ///
 ///     z(psi) - cos(theta) = 0            y(psi) cos(theta) - x(psi) sin(theta) = 0
 ///
 /// The roots of all limits cut the circle into arcs, and an arc belongs to an interval if its middle does.
-/// This needs none of Shimizu's cases (monotone, cyclic, stationary points), where implementations go wrong
-/// if a discriminant or denominator vanishes: a limit that is touched but not passed, or a turning joint that
-/// jumps by pi at a singular angle, is an arc like any other. An interval may run through such a jump.
+/// Shimizu distinguishes cases (monotone, cyclic, stationary points), and implementations fail where a
+/// discriminant or a denominator vanishes. Here no cases are needed: the middle of an arc is tested in the
+/// same way if a limit is touched but not passed, or if a turning joint jumps by pi at a singular angle. An
+/// interval may contain such a jump.
 /// @param seed value of a joint that is free at every arm angle (A1 with the arm straight and vertical, A5
 ///   with arm and wrist straight), as in LbrArm::Solve.
-/// Source: Shimizu et al. 2008 (lbr_arm.h) for the two kinds of joints.
+/// Source of the formulas of the two kinds of joints: Shimizu et al. 2008 (lbr_arm.h).
 [[nodiscard]] ArmAngleIntervals FindArmAngleIntervals(
     const LbrArm& arm, const Pose& X_BF, int configuration,
     const JointVector& seed = JointVector::Zero()) OSTEON_RT;

@@ -11,11 +11,12 @@ namespace osteon::kinematics {
 
 /// Resolution of the search over the elbow's circle.
 struct ArmAngleSearchParams {
-  int steps{36};               ///< on the whole circle, >= 4: a maximum narrower than a step may be missed
+  /// number of samples on the whole circle, >= 4; a maximum narrower than a step may be missed
+  int steps{36};
   double tolerance_rad{1e-3};  ///< accuracy to which the best angle is refined
 };
 
-/// The best posture of a self-motion.
+/// The best posture among those that keep the flange in place.
 struct BestArmAngle {
   bool found{false};  ///< false: out of reach, or a joint is beyond its limits at every arm angle
   double value{0.0};
@@ -23,16 +24,15 @@ struct BestArmAngle {
   JointVector q{JointVector::Zero()};
 };
 
-/// Finds the posture with the greatest value among all that put the flange at X_BF within the joint limits:
-/// over the arm angle and the eight configurations. With a force capability as the value, this is the
-/// torque-optimal arm angle.
+/// Finds the posture with the greatest value among all that put the flange at X_BF within the joint limits.
+/// The search covers all arm angles and all eight configurations. With a force capability as the value, this
+/// is the torque-optimal arm angle.
 ///
 /// The circle is sampled at `steps` angles. If no sample is within the limits, the middles of all intervals
 /// are sampled instead (FindArmAngleIntervals), so that every reachable pose has a result. The best sample is
-/// refined by golden section between its neighbours, within its interval. A capability is the minimum of
-/// smooth functions, so the result is a local maximum, and the global one if no maximum is narrower than a
-/// step. Deterministic; does not allocate.
-/// @param value  double(const JointVector& q), finite
+/// refined by golden section between its neighbours, within its interval. The result is a local maximum. It
+/// is the global maximum if no maximum is narrower than a step. Deterministic; does not allocate.
+/// @param value  function double(const JointVector& q) to be maximised; finite
 template <class Value>
 [[nodiscard]] BestArmAngle FindBestArmAngle(const LbrArm& arm, const Pose& X_BF, const Value& value,
                                             const ArmAngleSearchParams& params = {}) {
@@ -69,7 +69,7 @@ template <class Value>
   }
   if (!best.found) return best;
 
-  // between the neighbours, within the interval that contains the best angle
+  // refine between the neighbouring samples, within the interval that contains the best angle
   double low = best.arm_angle_rad - kTurn / steps, high = best.arm_angle_rad + kTurn / steps;
   const ArmAngleIntervals intervals = FindArmAngleIntervals(arm, X_BF, configuration);
   for (int i = 0; i < intervals.count; ++i) {
@@ -83,7 +83,8 @@ template <class Value>
   const int refined = configuration;  // the refinement stays in the best sample's configuration
   evaluate(low, refined);
   evaluate(high, refined);
-  // golden section: a < b divide low … high; each step drops the end beside the smaller of their values
+  // Golden section: a < b divide low … high. Each step compares the values at a and b, and drops the end next
+  // to the smaller one.
   constexpr double kGolden = 0.6180339887498949;
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   double at_a = evaluate(a, refined), at_b = evaluate(b, refined);

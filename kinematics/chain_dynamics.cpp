@@ -5,7 +5,8 @@
 #include "kinematics/serial_chain.h"
 #include "kinematics/sin_cos.h"
 
-// Inverse dynamics, link by link in the links' own frames, in which constants need no rotation.
+// Inverse dynamics, link by link. Each link is computed in its own frame, in which its mass properties are
+// constant.
 
 namespace osteon::kinematics {
 namespace {
@@ -33,9 +34,10 @@ template <class V>
 //
 //     A = [wd] + [w][w] = [wd] + w w^T - |w|^2 1
 //
-// is used three times: for the next link's origin, for the force m a + A h, and with the second moments S for
-// the torque about the origin, which is the integral of r × (a + A r) dm: h × a + skew part of A S.
-// Quantities that rotate together share a Pair, one in each half: w with wd, force with torque.
+// is used three times: for the acceleration of the next link's origin, for the force m a + A h, and for the
+// torque about the link's origin. That torque is the integral of r × (a + A r) dm, which is h × a + skew part
+// of A S, with the first moment h and the second moments S. Quantities that rotate together share a Pair, one
+// in each half: w with wd, force with torque.
 template <int N>
 JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, const Joints& qdd,
                                             const Vector3& a_base) const noexcept {
@@ -79,7 +81,7 @@ JointVectorN<N> SerialChain<N>::NewtonEuler(const Joints& q, const Joints& qd, c
   return Gather(turn, loads, qdd);
 }
 
-// Goes inwards along the chain, and sums the load on each joint from all links further out.
+// Goes from the flange to the base, and sums for each joint the loads of all links further out.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
                                        const std::array<Triple<Pair>, static_cast<std::size_t>(N)>& loads,
@@ -93,15 +95,15 @@ JointVectorN<N> SerialChain<N>::Gather(const SinCosN<kPadded>& turn,
     tau[static_cast<int>(i)] = load.z[1] + params_.joints[i].rotor_inertia_kg_m2 * qdd[static_cast<int>(i)];
     load = T.ToParent(load);
     const Triple<double> p = Copy(step.p);
-    load.x += High(p.y * load.z - p.z * load.y);  // the torque gets p × force
+    load.x += High(p.y * load.z - p.z * load.y);  // torque += p × force
     load.y += High(p.z * load.x - p.x * load.z);
     load.z += High(p.x * load.y - p.y * load.x);
   }
   return tau;
 }
 
-// At rest all links have the same acceleration, that of the base upwards; it is expressed in each link's
-// frame.
+// Gravity acts like an upward acceleration of the base. At rest all links have this acceleration; it is
+// expressed in each link's frame.
 template <int N>
 JointVectorN<N> SerialChain<N>::Gravity(const Joints& q) const noexcept {
   assert(params_.has_masses);

@@ -3,7 +3,7 @@
 #include "kinematics/frame_turn.h"
 #include "kinematics/serial_chain.h"
 
-// Forward dynamics by articulated bodies.
+// Forward dynamics by the articulated-body algorithm (ABA).
 
 namespace osteon::kinematics {
 namespace {
@@ -23,12 +23,14 @@ namespace {
   return {v.x[half], v.y[half], v.z[half]};
 }
 
-// Articulated inertia of a link with all links behind it, whose joints are free: the load at its origin is
+// Articulated inertia of a link together with all links further out, whose joints are free to move. If the
+// link's origin has the acceleration a and the link the angular acceleration wd, the load at the origin is
 //
 //     torque = J wd + H a + torque0        force = H^T wd + M a + force0
 //
-// J and M rotate alike, as the halves of pairs; so do torque0 and force0. H is stored as its symmetric part
-// and the vector of its skew part, which rotate as such.
+// J and M are rotated in the same way, so they are stored as the two halves of pairs; torque0 and force0 as
+// well. H is stored as its symmetric part and the vector of its skew part, because these two can be rotated
+// separately.
 struct Articulated {
   Symmetric<Pair> JM;
   Symmetric<double> H;
@@ -42,8 +44,9 @@ struct Articulated {
              {H.xz - H_skew.y, H.yz + H_skew.x, H.zz}}};
   }
 
-  // Adds a body attached to this one, given in the child's frame: rotated, then moved by p. With the rotated
-  // blocks H' = H + [p] M and J' = J + [p] G^T + G [p]^T, where G = H + 1/2 [p] M.
+  // Adds the articulated inertia of the next link, given in that link's frame: it is rotated into this frame,
+  // then moved by p. With J, H and M the rotated blocks, the moved ones are H' = H + [p] M and J' = J + [p]
+  // G^T + G [p]^T, where G = H + 1/2 [p] M.
   [[gnu::always_inline]] void Add(Articulated child, const FrameTurn& T, const Triple<double>& p) {
     child.JM.ToParent(T);
     child.H.ToParent(T);
@@ -87,10 +90,10 @@ struct Articulated {
 
 }  // namespace
 
-// Accelerations are those of the link's origin and of its rotation, not spatial ones. A body's bias is the
-// torque w × J w and the force w × (w × h); a joint's bias is the accelerations w × z qd and w × (w × p).
-// More than 60 lines: the three passes of one algorithm over the same arrays; only the simulated arm calls
-// it.
+// Accelerations are those of the link's origin and of its rotation, not Featherstone's spatial accelerations.
+// A body's bias is the torque w × J w and the force w × (w × h); a joint's bias is the accelerations w × z qd
+// and w × (w × p). More than 60 lines, because the three passes of the algorithm share their arrays. Only the
+// simulated arm calls this function.
 template <int N>
 JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& qd,
                                                 const Joints& tau) const noexcept {
@@ -99,8 +102,9 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
   std::array<Articulated, static_cast<std::size_t>(N)> bodies;
   std::array<Triple<double>, static_cast<std::size_t>(N)> wd_bias, a_bias;
   std::array<Triple<Pair>, static_cast<std::size_t>(N)>
-      U;  // torque and force for a unit acceleration of the joint
-  // u: the joint's torque less the bias; D: articulated inertia about the joint, with the rotor's
+      U;  // torque and force at the link's origin for a unit acceleration of its joint
+  // u: the joint's torque minus the bias torque; D: articulated inertia about the joint's axis, plus the
+  // rotor's inertia
   std::array<double, static_cast<std::size_t>(N)> u, D;
 
   // outwards: angular velocity, bias of bodies and joints
@@ -129,7 +133,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     bodies[i].bias = {Pair{torque.x, force.x}, Pair{torque.y, force.y}, Pair{torque.z, force.z}};
   }
 
-  // inwards: the part of a body's inertia that remains once its joint gives way
+  // inwards: the part of a body's inertia that its parent feels through the free joint
   for (std::size_t i = N; i-- > 0;) {
     Articulated& body = bodies[i];
     const Symmetric<Pair>& in = body.JM;
@@ -139,7 +143,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     u[i] = tau[static_cast<int>(i)] - body.bias.z[0];
     if (i == 0) break;
     const double inverse = 1.0 / D[i];
-    // V = U / D; the inertia that remains is less by U V^T
+    // V = U / D; the free joint reduces the inertia by U V^T
     const Triple<Pair> V{inverse * U[i].x, inverse * U[i].y, inverse * U[i].z};
     body.JM.xx -= U[i].x * V.x;
     body.JM.yy -= U[i].y * V.y;
@@ -147,7 +151,8 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     body.JM.xy -= U[i].x * V.y;
     body.JM.xz -= U[i].x * V.z;
     body.JM.yz -= U[i].y * V.z;
-    // H loses torque times force^T / D, whose skew part is that of force × torque / 2 D
+    // H is reduced by torque force^T / D (torque and force: the halves of U); the vector of its skew part is
+    // force × torque / (2 D)
     const Triple<double> t = Half(U[i], 0), f = Half(V, 1), skew = CrossOf(f, t);
     body.H.xx -= t.x * f.x;
     body.H.yy -= t.y * f.y;
@@ -157,7 +162,7 @@ JointVectorN<N> SerialChain<N>::ForwardDynamics(const Joints& q, const Joints& q
     body.H.yz -= 0.5 * (t.y * f.z + t.z * f.y);
     body.H_skew = {body.H_skew.x - 0.5 * skew.x, body.H_skew.y - 0.5 * skew.y, body.H_skew.z - 0.5 * skew.z};
 
-    // bias of the moving joint: its bias accelerations times the remaining inertia, and u V
+    // bias that the parent feels: the reduced inertia times the joint's bias accelerations, plus u V
     const std::array<Triple<double>, 3> H = body.Rows();
     const Triple<double>&wd = wd_bias[i], &a = a_bias[i];
     const Triple<Pair> both{Pair{wd.x, a.x}, Pair{wd.y, a.y}, Pair{wd.z, a.z}};

@@ -10,14 +10,15 @@
 namespace osteon::kinematics {
 namespace {
 
-// Links i … N as one rigid body, in K(i): mass, first moment h, second moments S = integral of r r^T dm.
+// Links i … N as one rigid body, in joint frame K(i) (serial_chain.h): mass, first moment h, second moments S
+// = integral of r r^T dm.
 struct Composite {
   double m{0.0};
   Triple<double> h{};
   Symmetric<double> S;
 
-  // Expresses the body in the previous frame of the chain: rotated, then moved by p. With t the rotated first
-  // moment and h' = t + m p the moved one, the rotated S becomes S + t p^T + p h'^T.
+  // Expresses the body in the previous frame of the chain: rotates it, then moves it by p. With t the rotated
+  // first moment and h' = t + m p the first moment after the move, the rotated S becomes S + t p^T + p h'^T.
   [[gnu::always_inline]] void ToParent(const FrameTurn& T, const Vector3& p) {
     S.ToParent(T);
     const Triple<double> t = T.ToParent(h);
@@ -31,7 +32,7 @@ struct Composite {
   }
 };
 
-// Forces and torques for unit accelerations of the joints, two joints at a time, in one frame.
+// Forces and torques for unit accelerations of the joints, all in one frame. Each Pair holds two joints.
 struct Columns {
   Triple<Pair> f{}, t{};
 
@@ -46,9 +47,10 @@ struct Columns {
 
 }  // namespace
 
-// Composite rigid bodies, from the flange inwards. An acceleration of joint i alone by 1 rad/s^2 requires, at
-// the origin of link i, the force z × h and the torque I z on all links from i on. Moved to a joint j further
-// in, this load has the torque M(j, i) about that joint's axis.
+// Composite-rigid-body algorithm (CRBA), from the flange to the base. To accelerate joint i alone by 1
+// rad/s^2, links i … N need the force z × h and the torque I z at the origin of link i, where z is the
+// joint's axis, and h and I are first moment and inertia of these links. If this load is moved to a joint j
+// nearer to the base, its torque about that joint's axis is M(j, i).
 template <int N>
 JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   assert(params_.has_masses);
@@ -91,7 +93,7 @@ JointMatrixN<N> SerialChain<N>::MassMatrix(const Joints& q) const noexcept {
   return M;
 }
 
-// J M^-1 J^T = Y^T Y with L Y = J^T, M = L L^T.
+// With the Cholesky factor L, M = L L^T, and L Y = J^T, the mobility J M^-1 J^T is Y^T Y.
 template <int N>
 Eigen::Matrix<double, 6, 6> SerialChain<N>::Mobility(const Joints& q, const Vector3& p_B) const noexcept {
   Eigen::Matrix<double, N, 6> Y = JacobianAt(ComputePosture(q), p_B).transpose();

@@ -5,9 +5,10 @@
 
 #include "kinematics/spatial.h"
 
-// A serial arm of revolute joints, as data: the content of a robot description, in SI.
+// Parameters of a serial arm of revolute joints: the content of a robot description file, in SI.
 //
-// Frames: link frame i sits on joint i and turns with it; link 0 is the base B, fixed. At joint position q
+// Frames: link frame i has its origin on the axis of joint i and turns with the joint; link 0 is the fixed
+// base B. At joint position q
 //
 //     X_(i-1)i = X_PJ_i  Rot(axis_J_i, q_i)        X_BF = X_01 X_12 ... X_(N-1)N X_LF
 
@@ -23,13 +24,14 @@ using JointMatrixN = Eigen::Matrix<double, N, N>;
 /// Acceleration of free fall in the world, whose z points up.
 inline const Vector3 kGravity_W_m_per_s2{0.0, 0.0, -9.81};
 
-/// Limits of one joint. Positions as absolute bounds, because those of a KR are not symmetric about zero.
+/// Limits of one joint. Positions have a lower and an upper bound, because the range of a KR's joints is not
+/// symmetric about zero.
 struct JointLimits {
   double lower_rad{-std::numbers::pi};
   double upper_rad{std::numbers::pi};
   double velocity_rad_per_s{0.0};
   double acceleration_rad_per_s2{0.0};
-  double torque_Nm{0.0};  ///< 0: not published
+  double torque_Nm{0.0};  ///< 0: the maker publishes no value
 };
 
 /// Mass properties of a rigid body.
@@ -39,7 +41,7 @@ struct LinkInertia {
   Matrix3 I_LLcm_kg_m2{Matrix3::Zero()};  ///< about the centre of mass, along the link frame's axes
 };
 
-/// Friction of a joint's drive, on the joint's side:
+/// Friction of a joint's drive, as a torque at the joint (not at the motor):
 ///
 ///     tau = viscous qd + coulomb tanh(qd / smoothing)
 struct JointFriction {
@@ -48,14 +50,15 @@ struct JointFriction {
   double smoothing_rad_per_s{0.01};  ///< > 0
 };
 
-/// A joint and the link behind it.
+/// A joint and the link that it moves.
 struct RevoluteJoint {
-  Pose X_PJ{Pose::Identity()};       ///< link frame at q = 0, in the frame of the link before
+  Pose X_PJ{Pose::Identity()};       ///< link frame at q = 0, in the frame of the previous link
   Vector3 axis_J{Vector3::UnitZ()};  ///< unit
   JointLimits limits;
   LinkInertia link;
   JointFriction friction;
-  /// Inertia of the drive's rotor, seen at the joint (gear ratio squared times its own).
+  /// Inertia of the drive's rotor, as it acts at the joint: the rotor's own inertia times the gear ratio
+  /// squared.
   double rotor_inertia_kg_m2{0.0};
 };
 

@@ -5,8 +5,8 @@
 
 namespace osteon::kinematics {
 
-/// Upper bound of the distance of the flange's origin from each joint's axis, for every posture: the sum of
-/// the chain's lengths beyond the joint [m].
+/// Upper bound of the distance of the flange's origin from each joint's axis in any posture [m]: the sum of
+/// the chain's lengths from the joint to the flange.
 ///
 ///     R_i = |p_(i+1)| + … + |p_N| + |p_LF|,   p_j: translation of joint j's X_PJ
 ///

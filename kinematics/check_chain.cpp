@@ -11,11 +11,13 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kUnit = 1e-9;  // tolerance of a unit length or a rotation: far above rounding
-// Tolerance of a principal moment, as a share of the largest element: published inertias are rounded.
+// tolerance of a unit vector's length or a rotation matrix's elements: far above rounding
+constexpr double kUnit = 1e-9;
+// Tolerance of a principal moment, relative to the inertia's largest element, because published inertias are
+// rounded.
 constexpr double kInertia = 1e-6;
 
-// @param of  name of the joint or body  @param what  name of its value
+// @throws std::invalid_argument. @param of  name of the joint or body  @param what  name of the refused value
 template <class Value>
 [[noreturn]] void Refuse(const std::string& of, const std::string& what, const Value& found,
                          const std::string& accepted) {

@@ -4,11 +4,12 @@
 
 #include "kinematics/chain_params.h"
 
-// Checks of a chain's values at set-up.
+// Checks a chain's parameters at set-up.
 
 namespace osteon::kinematics {
 
-/// Checks a joint and its link. @param number from 1, as in A1 …; @param masses whether it must have a mass.
+/// Checks a joint and its link. @param number from 1, as in A1 …; @param masses whether the link must have a
+/// mass.
 /// @throws std::invalid_argument "joint 3: length of its axis: found 0.9, accepted 1"
 void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 
@@ -18,7 +19,8 @@ void CheckJoint(const RevoluteJoint& joint, int number, bool masses);
 /// @throws std::invalid_argument naming the value found and what is accepted.
 void CheckInertia(const LinkInertia& body, const std::string& of);
 
-/// Checks that a pose has a proper rotation. @throws std::invalid_argument as above.
+/// Checks that a pose has a proper rotation. @throws std::invalid_argument naming the value found and what is
+/// accepted, after `of`.
 void CheckPose(const Pose& X, const std::string& of);
 
 /// Checks a whole chain.

@@ -15,23 +15,29 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kFlat = 1e-9;  // joint component of the null direction that counts as zero
-// Share of the largest singular value below which the decomposition cannot tell the last singular direction
-// from the null direction.
+constexpr double kFlat = 1e-9;  // a component of the null direction up to this counts as zero
+// If the last singular value is below this fraction of the largest one, the decomposition cannot separate its
+// direction from the null direction.
 constexpr double kUnresolved = 1e-9;
-// Curvature [m/rad] along a direction from which on a motion along it counts as leaving the singular posture.
+// Curvature |d sigma / d y| [m/rad] of a singular direction. From this value on, the zone has its full width
+// and motion that makes sigma larger is not damped. For a smaller curvature the zone is narrower and such
+// motion is damped, in proportion.
 constexpr double kReturning_m = 0.05;
-constexpr double kDampedUpTo = 4.0;             // times min_damping_m: a larger singular value is undamped
-constexpr double kReturnTicks = 10.0;           // ticks in which an arm too near a singular posture returns
-constexpr double kRelief_rad_per_s = 4.0;       // speed of the yielding null motion per unit of n_i
-constexpr double kMaxRelief_rad_per_s = 100.0;  // above any joint's speed limit
-constexpr double kTiny = 1e-12;                 // smallest divisor, and the curvature that counts as none
-constexpr double kRoundDown = 1.0 - 1e-12;      // factor on a speed limit: products must not round beyond it
-constexpr double kActs = 1e-9;                  // a motion reduced by a smaller share counts as not limited
+// times min_damping_m: without curvature, larger singular values than this are not damped
+constexpr double kDampedUpTo = 4.0;
+// number of ticks in which an arm that is within singular_margin_rad is moved back out
+constexpr double kReturnTicks = 10.0;
+// speed limit of the null motion that relieves joint i, per unit of |n_i|
+constexpr double kRelief_rad_per_s = 4.0;
+constexpr double kMaxRelief_rad_per_s = 100.0;  // largest such limit: above any joint's speed limit
+constexpr double kTiny = 1e-12;                 // smallest divisor; a curvature up to this counts as zero
+// factor on a speed limit, so that rounding cannot exceed the limit
+constexpr double kRoundDown = 1.0 - 1e-12;
+constexpr double kActs = 1e-9;  // a motion that loses a smaller share counts as not limited
 
-// Acceleration of the tool at joint velocity y with no joint acceleration, J' y, which is also the second
-// order of its displacement: with w_i, v_i the columns of J and W_i the sum of w_j y_j over the joints before
-// i,  v' = sum (2 W_i + w_i y_i) x v_i y_i   and   w' = sum W_i x w_i y_i.
+// Acceleration J' y of the tool at constant joint velocity y, where J' is the time derivative of J. With v_i,
+// w_i the linear and angular part of column i of J, and W_i the sum of w_j y_j over the joints before i,  v'
+// = sum (2 W_i + w_i y_i) x v_i y_i   and   w' = sum W_i x w_i y_i.
 template <int N>
 Vector6 Curvature(const JacobianN<N>& J, const JointVectorN<N>& y) {
   Vector3 W = Vector3::Zero(), v_dot = Vector3::Zero(), w_dot = Vector3::Zero();
@@ -46,13 +52,15 @@ Vector6 Curvature(const JacobianN<N>& J, const JointVectorN<N>& y) {
   return result;
 }
 
-// Gradient of a singular value by the joint positions: u·(dJ/dq_j) c for each joint j, with u and c its left
-// and right singular vectors (c is the argument v). Column i of J has the parts v_i and w_i, and dJ_i/dq_j is
-// [w_j x v_i; w_j x w_i] if j <= i, else [w_i x v_j; 0]. Summed over i,
+// Gradient of a singular value with respect to the joint positions: u·(dJ/dq_j) c for each joint j, with u
+// and c the left and right singular vectors (c is the argument v). Column J_i of J has the linear part v_i
+// and the angular part w_i, and dJ_i/dq_j is [w_j x v_i; w_j x w_i] if j <= i, else [w_i x v_j; 0]. The sum
+// over i is
 //
 //     u_v·(W_j x v_j + w_j x V_j) + u_w·(w_j x X_j)
 //
-// W_j: sum of c_i w_i before joint j;  V_j: of c_i v_i from j on;  X_j: of c_i w_i after j.
+// W_j is the sum of c_i w_i over the joints before j, V_j that of c_i v_i from j on, X_j that of c_i w_i
+// after j.
 template <int N>
 JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, const JointVectorN<N>& v) {
   const Vector3 u_v = u.head<3>(), u_w = u.tail<3>();
@@ -69,19 +77,20 @@ JointVectorN<N> SingularValueGradient(const JacobianN<N>& J, const Vector6& u, c
   return gradient;
 }
 
-// A twist whose rotation is scaled by the turning length.
+// Returns the twist with its angular part multiplied by the turning length.
 Vector6 Scaled(Vector6 twist, double length_m) {
   twist.tail<3>() *= length_m;
   return twist;
 }
 
-// Exactly singular: of the two directions without motion, which are not distinct, the one with the larger
-// curvature along u_min becomes the last singular direction, column 5.
+// In an exactly singular posture two joint directions give no tool motion: v (column 5) and n (column 6),
+// which the decomposition mixes at will. Turns them within their plane, so that column 5 is the direction
+// with the larger curvature along u_min.
 template <int N>
 void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
                          Eigen::Matrix<double, N, N>& directions) {
   const JointVectorN<N> v = directions.col(5), n = directions.col(6);
-  // the curvature is a quadratic form on the plane of v and n: turn both to its principal axes
+  // the curvature is a quadratic form on the plane of v and n: find its principal axes
   const double vv = u_min.dot(Curvature<N>(J, v)), nn = u_min.dot(Curvature<N>(J, n));
   const double vn = 0.5 * (u_min.dot(Curvature<N>(J, JointVectorN<N>(v + n))) - vv - nn);
   double angle = 0.5 * std::atan2(2.0 * vn, vv - nn);
@@ -90,8 +99,8 @@ void SeparateByCurvature(const JacobianN<N>& J, const Vector6& u_min,
   directions.col(6) = std::cos(angle) * n - std::sin(angle) * v;
 }
 
-// Stores in `out` which limit reduced a twist of that length the most: the singularity, or the joints' limit
-// that `out` already names.
+// Stores in `out` the limit that reduced a twist of the given length the most: the singularity, or the joint
+// limit that `out` already names.
 template <int N>
 void NameLimit(double length_m_per_s, MotionOutput<N>& out) {
   const double lost_share = length_m_per_s > 0.0 ? std::min(1.0, out.lost_m_per_s / length_m_per_s) : 0.0;
@@ -167,7 +176,7 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
     return out;
   }
 
-  // the six directions, with rotations scaled by the turning length
+  // singular value decomposition of J, with rotations scaled by the turning length
   JacobianN<N> J = in.J;
   J.template bottomRows<3>() *= params_.turning_length_m;
   JacobianSvd<N> svd = ComputeJacobianSvd<N>(J, in.U_before);
@@ -178,9 +187,9 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   out.sigma_min_m = svd.sigma[5];
   out.sigma_gradient_m = SingularValueGradient<N>(in.J, u_min, svd.V.col(5));
 
-  // While joints turn, the tool's path curves: its mean velocity over the tick differs from J qd by half a
-  // tick of J' qd. Correct the twist by this, so that its mean is the wanted twist, with qd as it is without
-  // limits.
+  // The tool's path is curved, so its mean velocity over the tick is J qd plus half a tick of J' qd. Subtract
+  // this second part from the wanted twist, so that the mean velocity is the wanted one. For this correction
+  // qd is computed without limits.
   JointVectorN<N> qd_free = in.qd_before;
   for (int k = 0; k < 6; ++k) {
     if (svd.sigma[k] < params_.singular_zone_m) continue;
@@ -204,8 +213,8 @@ MotionOutput<N> DifferentialInverse<N>::Step(const MotionInput<N>& in) const OST
   return out;
 }
 
-// Joint velocity of the wanted twist: exact in the directions whose singular value is outside the zone,
-// damped in the others.
+// Joint velocity for the wanted twist: exact along directions whose singular value is at least
+// singular_zone_m, damped along the others.
 template <int N>
 JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, const JacobianSvd<N>& svd,
                                                    const Eigen::Matrix<double, 6, 1>& V_scaled,
@@ -233,7 +242,7 @@ JointVectorN<N> DifferentialInverse<N>::DampedTask(const MotionInput<N>& in, con
   return task;
 }
 
-// Joint speed of the wanted null motion along n, limited in size and change.
+// Joint speed of the wanted null motion along n, limited in size and in its change per tick.
 template <int N>
 double DifferentialInverse<N>::LimitedNullSpeed(const JointVectorN<N>& n,
                                                 const MotionInput<N>& in) const OSTEON_RT {
@@ -245,13 +254,14 @@ double DifferentialInverse<N>::LimitedNullSpeed(const JointVectorN<N>& n,
   return std::clamp(std::clamp(n.dot(in.qd_null), -max_speed, max_speed), before - change, before + change);
 }
 
-// Joint speed along the unit direction v for the component a of the twist, where sigma is in the zone.
+// Joint speed along the unit direction v for the twist's component a, if the singular value sigma is below
+// singular_zone_m.
 template <int N>
 typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDampedSpeed(
     const SingularDirection& direction, const MotionInput<N>& in) const OSTEON_RT {
   const auto& [v, sigma_m, curvature_m, a_m_per_s, twist_m_per_s] = direction;
   const double share_before = in.share_before, dt_s = in.dt_s;
-  // bounds of the motion along v, each set by the first joint that reaches its own
+  // bounds of the motion along v, each set by the joint that reaches its own bound first
   double speed = std::numeric_limits<double>::infinity(), acceleration = speed, braking = speed;
   for (int i = 0; i < N; ++i) {
     const double component = std::max(std::abs(v[i]), kTiny);
@@ -267,8 +277,8 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   const double edge = sigma_m / zone_m;
   const double depth = std::max(1.0 - edge * edge, kTiny);  // 0 at the zone's edge, for continuity
 
-  // The damped speed y solves  damped_sigma y + depth curvature dt y^2 / 2 = a.  The second order counts only
-  // if the motion makes sigma larger; the damping is then weaker the more the direction curves.
+  // The damped speed y solves  damped_sigma y + depth curvature dt y^2 / 2 = a.  The second-order term is
+  // used only if the motion makes sigma larger. In that case the damping also decreases with the curvature.
   const bool returns = a_m_per_s * curvature_m > 0.0;
   const double flat_damping_m = std::max(0.0, 1.0 - sigma_m / neutral_m) * params_.min_damping_m;
   const double min_damping2 = flat_damping_m * flat_damping_m * (returns ? 1.0 - curved_share : 1.0);
@@ -279,8 +289,9 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
     y = 2.0 * a_m_per_s / (damped_sigma_m + std::sqrt(damped_sigma_m * damped_sigma_m + second_order_m2));
   }
 
-  // bounds: the joints' acceleration, their speed, and the end of the reach
-  if (share_before > 0.0) {  // compare with the previous speed as it was before the limits scaled it
+  // apply the bounds in this order: the joints' acceleration, their speed, the end of the reach
+  if (share_before > 0.0) {  // the bound of the change applies to the unscaled speed, so undo the scaling of
+                             // the previous tick
     const double before = v.dot(in.qd_before) / share_before;
     const double change = acceleration * dt_s / (depth * share_before);
     y = std::clamp(y, before - change, before + change);
@@ -299,7 +310,8 @@ typename DifferentialInverse<N>::DampedSpeed DifferentialInverse<N>::ComputeDamp
   return {.speed = y, .lambda = damping_squared > 0.0 ? std::sqrt(damping_squared) : 0.0};
 }
 
-// Speeds from which each joint can still brake before its position limit, within its speed limit.
+// Each joint's range of speeds in this tick: within its speed limit, and slow enough to brake before its
+// position limit.
 template <int N>
 typename DifferentialInverse<N>::Box DifferentialInverse<N>::ComputeSpeedBox(const JointVectorN<N>& q,
                                                                              double dt_s) const OSTEON_RT {
@@ -316,10 +328,11 @@ typename DifferentialInverse<N>::Box DifferentialInverse<N>::ComputeSpeedBox(con
   return box;
 }
 
-// Limits the speed at which the null motion yields. A joint that the task overloads is relieved by its
-// component n_i. Where n_i passes through zero the relief is largest; demanding the full share there would
-// throw the arm from one side of that posture to the other. The limit is therefore proportional to n_i of
-// each such joint, and weaker the less the joint is overloaded.
+// Limits the speed of the null motion by which the arm yields to the task. If the task asks too much of joint
+// i, null motion relieves the joint through its component n_i. Near a posture where n_i is zero, full relief
+// would need a very fast null motion, which changes its sign in that posture and would throw the arm back and
+// forth. The limit is therefore proportional to |n_i| of each such joint. It is higher the less the joint is
+// overloaded.
 template <int N>
 double DifferentialInverse<N>::MaxNullMotion(const Box& box, const JointVectorN<N>& task,
                                              const JointVectorN<N>& n, double r_wanted) const OSTEON_RT {
@@ -332,17 +345,18 @@ double DifferentialInverse<N>::MaxNullMotion(const Box& box, const JointVectorN<
   return std::max(max_relief, std::abs(r_wanted));
 }
 
-// Finds the largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r by
-// two lines in s; with L(s) the highest of the lower lines and U(s) the lowest of the upper ones, L <= U at s
-// = 0, and U - L is concave. Stepping from an s that is too large to where the two lines that collide there
-// meet never passes the answer, and each step removes a pair.
+// Finds the largest s in [0, 1] for which some r keeps low <= s task + r n <= high. Each joint bounds r from
+// below and from above by a line in s. L(s) is the highest of the lower lines and U(s) the lowest of the
+// upper lines; L <= U at s = 0, and U - L is concave. If L > U at the present s, s is reduced to the point
+// where these two lines meet. This step never passes the answer, and the same pair of lines does not come up
+// again.
 template <int N>
 void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>& task,
                                           const JointVectorN<N>& n, double r_wanted,
                                           MotionOutput<N>& out) const OSTEON_RT {
   struct Line {  // a bound on r: at_0 + slope s
     double at_0, slope;
-    int joint;  // the joint that sets it; -1: the relief
+    int joint;  // the joint that sets this bound; -1: the limit of the relief (MaxNullMotion)
   };
   const auto store_limit_of = [&](int joint) {
     const auto at = static_cast<std::size_t>(joint);
@@ -374,7 +388,7 @@ void DifferentialInverse<N>::ScaleIntoBox(const Box& box, const JointVectorN<N>&
     max_r = upper.at_0 + upper.slope * s;
     if (min_r <= max_r) break;
     const double meet = (upper.at_0 - lower.at_0) / (lower.slope - upper.slope);
-    // of the two colliding joints, name the one with less room
+    // two joints limit s together: name the one with less room
     const auto room = [&](int i) {
       return i < 0 ? std::numeric_limits<double>::infinity() : task[i] > 0.0 ? box.high[i] : -box.low[i];
     };
@@ -404,7 +418,7 @@ void DifferentialInverse<N>::LimitChange(const Box& box, const JointVectorN<N>& 
     alpha = max_change / std::abs(change[i]);
     joint = i;
   }
-  // at least the change that position and speed limits require, whatever the acceleration
+  // position and speed limits take precedence: make at least the change that they require
   for (int i = 0; i < N; ++i) {
     const double bound = std::clamp(qd_before[i], box.low[i], box.high[i]);
     if (bound == qd_before[i] || change[i] == 0.0) continue;

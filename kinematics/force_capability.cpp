@@ -6,24 +6,24 @@
 namespace osteon::kinematics {
 namespace {
 
-// Finds the joint that limits a load: the minimum of room / load over all half-spaces toward whose border the
-// load acts, and over a cap.
+// Finds the joint that limits a load, by the smallest of all quotients room / load of the half-spaces that
+// were added, and of a cap.
 class TightestLimit {
  public:
   explicit TightestLimit(double cap) : limit_{.value = cap, .joint = -1} {}
 
-  // @param room  torque that the drive has left [N·m]
+  // @param room  torque that the drive still has available [N·m]
   // @param load  torque that the drive needs per unit of the result
   void Add(double room, double load, int joint) {
     if (load <= 0.0) return;
-    // an infinite load, or a NaN from inf - inf, leaves no room
+    // an infinite load, or a NaN from inf - inf, gives 0
     const double value = load < HUGE_VAL ? room / load : 0.0;
     if (value >= limit_.value) return;
     limit_ = {.value = value, .joint = joint};
   }
 
   [[nodiscard]] CapabilityLimit Result() const {
-    // negative room means that the accompanying load alone is too large
+    // a negative value means that the load that acts in addition is too large by itself
     if (!(limit_.value > 0.0)) return {.value = 0.0, .joint = limit_.joint};
     return limit_;
   }
@@ -32,8 +32,8 @@ class TightestLimit {
   CapabilityLimit limit_;
 };
 
-// Length of v's component perpendicular to a unit axis. The shorter |v|^2 - (v·a)^2 would lose half of the
-// digits.
+// Length of v's component perpendicular to a unit axis. Computing it from |v|^2 - (v·a)^2 would lose half of
+// the digits.
 double LengthAcross(const Vector3& v, const Vector3& axis) { return (v - v.dot(axis) * axis).norm(); }
 
 // The largest factor whose force and torque stay within the caps.
@@ -64,8 +64,10 @@ CapabilityLimit ForceCapability<N>::Force(const Vector3& u, double torque_Nm) co
   TightestLimit tightest(kForceCap_N);
   for (int i = 0; i < N; ++i) {
     const double load = J_.template block<3, 1>(0, i).dot(u);
-    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();  // by the torque, worst direction
-    // the torque may have either sign, so both sides need room for it, even if the force loads neither
+    // torque of joint i for torque_Nm in its worst direction
+    const double taken = torque_Nm * J_.template block<3, 1>(3, i).norm();
+    // torque_Nm may act in either direction, so room is needed on both sides, even if the force does not load
+    // joint i
     if (std::min(room_up_[i], room_down_[i]) < taken) return {.value = 0.0, .joint = i};
     tightest.Add((load > 0.0 ? room_up_[i] : room_down_[i]) - taken, std::abs(load), i);
   }

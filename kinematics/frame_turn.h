@@ -13,8 +13,9 @@ struct Triple {
   [[gnu::always_inline]] Triple operator+(const Triple& o) const { return {x + o.x, y + o.y, z + o.z}; }
 };
 
-/// The rotation Rx(alpha) Rz(theta) from a joint's frame to the one before: eight products per vector,
-/// instead of nine and the cost of making a matrix. For one vector (Scalar double) or two at once (Pair).
+/// The rotation Rx(alpha) Rz(theta) from a joint's frame to the previous joint's frame. It needs eight
+/// products per vector; a matrix would need nine, and has to be made first. Rotates one vector (Scalar
+/// double) or two at once (Pair).
 struct FrameTurn {
   double cos_alpha, sin_alpha, cos_theta, sin_theta;
 
@@ -57,7 +58,7 @@ struct Symmetric {
   }
 
  private:
-  // Rotates in the plane of the axes a, b; c is the third.
+  // Rotates the matrix in the plane of two axes a, b; c is the third axis.
   [[gnu::always_inline]] static void Turn(double cos, double sin, Scalar& aa, Scalar& bb, Scalar& ab,
                                           Scalar& ac, Scalar& bc) {
     const double cs = cos * sin, ss = sin * sin;

@@ -6,28 +6,29 @@
 namespace osteon {
 namespace {
 
-constexpr int kMaxSet = 4;             // three planes fix a point; with a fourth, they fix the slack too
-constexpr double kTolerance = 1e-12;   // tolerance of a plane's offset [m] and of a multiplier [m]
-constexpr double kFeasible = 1e-9;     // a solved point may lie this far outside [m]
-constexpr double kMinVolume = 1e-9;    // Gram determinant of unit normals below which planes are parallel
-constexpr double kFlatShare = 1e-12;   // a smaller component of the new normal counts as zero
-constexpr int kMaxRounds = 24;         // usually two to six rounds find three planes of eight
-constexpr double kSlackWeight = 1e-6;  // 1 over the weight of s^2 in the cost |x|^2 + 1e6 s^2
+constexpr int kMaxSet = 4;            // largest set: three planes fix a point, four also fix the slack s
+constexpr double kTolerance = 1e-12;  // tolerance [m] of a plane's offset and of a multiplier
+constexpr double kFeasible = 1e-9;    // a solved point may lie this far outside [m]
+// planes count as parallel if the Gram determinant of their normals is smaller
+constexpr double kMinVolume = 1e-9;
+constexpr double kFlatShare = 1e-12;   // a smaller component of the new plane's normal counts as zero
+constexpr int kMaxRounds = 24;         // usually two to six rounds are enough
+constexpr double kSlackWeight = 1e-6;  // inverse weight of s^2 in the cost |x|^2 + 1e6 s^2
 
 using Planes = std::array<HalfSpace, kMaxHalfSpaces>;
 using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxSet, 1>;
 using SetMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxSet, kMaxSet>;
 
-// A set of planes that the point lies on.
+// A set of planes on which the point is assumed to lie.
 struct Set {
   std::array<std::size_t, kMaxSet> plane{};
   int size{0};
 };
 
-// Finds the multipliers of the nearest point on all planes of the set, from Gram matrix times multipliers =
-// offsets (or, for a direction, its components along the normals). `slack` is added to each Gram element.
-// Elimination in place, without pivoting because the matrix is positive definite. False if the planes are
-// parallel.
+// Finds the multipliers of the point on all planes of the set that is nearest to the origin. They solve Gram
+// matrix times multipliers = right side, which is the offsets or, to resolve a direction, its components
+// along the normals. `slack` is added to each Gram element. Elimination in place, without pivoting because
+// the matrix is positive definite. False if the planes are parallel.
 bool SolveSet(const Planes& planes, const Set& set, double slack, SetVector& multiplier,
               const Vector3* direction = nullptr) {
   SetMatrix gram(set.size, set.size);
@@ -64,12 +65,13 @@ double WorstViolation(const Planes& planes, int count, const Vector3& x) {
   return worst;
 }
 
-// The dual active-set method. From the free minimum, x = 0, violated planes are added one at a time, and a
-// plane that would pull is dropped. Each round ends at the nearest point of a set of planes, further out than
-// the round before, so that no set comes twice. On success `active` are the planes that the nearest point
-// lies on. Returns false if no point satisfies all planes, or if rounding gives this impression.
-// Source: Goldfarb and Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic
-// Programs, Math. Programming 27, 1983.
+// The dual active-set method. Starts from the free minimum x = 0. Each round adds the most violated plane,
+// and drops a plane whose multiplier would become negative: such a plane would pull the point toward itself.
+// Each round ends at the nearest point on a set of planes, which is further from the origin than that of the
+// round before, so no set is used twice. On success `active` are the planes that the nearest point lies on.
+// Returns false if no point satisfies all planes, or if rounding gives this impression. Source: Goldfarb and
+// Idnani, A Numerically Stable Dual Method for Solving Strictly Convex Quadratic Programs, Math. Programming
+// 27, 1983.
 bool FindActive(const Planes& planes, int count, Set& active) {
   Vector3 x = Vector3::Zero();
   std::array<double, kMaxSet> pull{};  // multipliers of the active planes
@@ -86,13 +88,13 @@ bool FindActive(const Planes& planes, int count, Set& active) {
     const HalfSpace& entering = planes[worst];
     double entering_pull = 0.0;
     for (;;) {
-      // the active planes' part of the new normal, and the remainder
+      // split the new plane's normal into a combination of the active normals and a remainder
       SetVector components;
       if (!SolveSet(planes, active, 0.0, components, &entering.n)) return false;
       Vector3 z = entering.n;
       for (int i = 0; i < active.size; ++i)
         z -= components[i] * planes[active.plane[static_cast<std::size_t>(i)]].n;
-      // the longest step before an active plane would pull: that plane leaves
+      // the longest step until an active plane's multiplier becomes zero: that plane is dropped
       double step = std::numeric_limits<double>::infinity();
       int leaving = -1;
       for (int i = 0; i < active.size; ++i) {
@@ -102,7 +104,7 @@ bool FindActive(const Planes& planes, int count, Set& active) {
         leaving = i;
       }
       const double room = active.size < 3 ? z.dot(entering.n) : 0.0;
-      const bool moves = room > kMinVolume;  // else the new normal is a combination of the active ones
+      const bool moves = room > kMinVolume;  // false: the new normal is a combination of the active normals
       if (moves && (entering.offset - entering.n.dot(x)) / room <= step) {
         step = (entering.offset - entering.n.dot(x)) / room;
         leaving = -1;
@@ -132,11 +134,12 @@ struct BestPoint {
   HalfSpaceProjection projection;
 };
 
-// Accepts the nearest point of a set of planes as the answer if no plane pulls and none is violated.
+// Takes the nearest point on a set of planes as the best point if all multipliers are >= 0, no plane is
+// violated, and its cost is lower than before.
 bool AcceptSet(const Planes& planes, int count, const Set& set, double slack, BestPoint& best) {
   SetVector multiplier;
   if (!SolveSet(planes, set, slack, multiplier)) return false;
-  if (!(multiplier.minCoeff() >= -kTolerance)) return false;  // a plane would pull
+  if (!(multiplier.minCoeff() >= -kTolerance)) return false;  // a plane would pull the point toward itself
   Vector3 x = Vector3::Zero();
   for (int i = 0; i < set.size; ++i) x += multiplier[i] * planes[set.plane[static_cast<std::size_t>(i)]].n;
   const double sum = multiplier.sum(), violation = WorstViolation(planes, count, x);
@@ -152,10 +155,10 @@ bool AcceptSet(const Planes& planes, int count, const Set& set, double slack, Be
 }
 
 // Solves   min |x|^2 + s^2 / slack   subject to   n_i·x + s >= offset_i   by trying every set of at most
-// largest_set planes; with slack = 0 there is no s. False if no set gives a point.
+// largest_set planes; if slack = 0, s is 0. False if no set gives a point.
 bool SolveByEverySet(const Planes& planes, int count, double slack, int largest_set, BestPoint& best) {
   best.cost = std::numeric_limits<double>::infinity();
-  // by size, then in index order: next_set counts up like an odometer whose digits only grow to the right
+  // all sets, by size, then in the order of their indices, which rise within each set
   for (int size = 1; size <= std::min(largest_set, count); ++size) {
     Set set;
     set.size = size;
@@ -184,9 +187,9 @@ HalfSpaceProjection ClosestInHalfSpaces(const Planes& planes, int count) noexcep
   Set active;
   if (FindActive(planes, count, active) && AcceptSet(planes, count, active, 0.0, best))
     return best.projection;
-  // planes so nearly parallel that rounding decides, or an empty intersection: try every set
+  // The planes are so nearly parallel that rounding decides, or the intersection is empty: try every set.
   if (SolveByEverySet(planes, count, 0.0, 3, best)) return best.projection;
-  // empty (or so nearly parallel that only a distant point would do): share one slack among the planes
+  // The intersection is empty, or only a distant point is in it: let all planes yield by one common slack.
   if (SolveByEverySet(planes, count, kSlackWeight, kMaxSet, best)) return best.projection;
   best.projection.violation = violation;
   return best.projection;

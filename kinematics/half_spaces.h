@@ -16,21 +16,22 @@ struct HalfSpace {
 
 struct HalfSpaceProjection {
   Vector3 point{Vector3::Zero()};  ///< the closest point to the origin in the intersection
-  /// point = sum of multiplier[i] n_i; >= 0; at most four are nonzero
+  /// point = sum of multiplier[i] n_i. Each multiplier is >= 0, and at most four are nonzero.
   std::array<double, kMaxHalfSpaces> multiplier{};
-  double violation{0.0};  ///< how far the point lies outside the worst half-space; 0 if feasible
+  /// distance of the point outside the worst half-space; 0 if the point is in all of them
+  double violation{0.0};
 };
 
-/// Finds the point closest to the origin in the intersection of up to eight half-spaces: the constrained
-/// proxy of a god-object.
+/// Finds the point closest to the origin in the intersection of up to eight half-spaces. This is the
+/// constrained position of a god-object's proxy.
 ///
 ///     min |x|^2   subject to   n_i·x >= offset_i
 ///
 /// Exact and bounded: a dual active-set method finds the planes that the point lies on, and the point is then
-/// solved from these planes alone. If rounding hides them (planes almost parallel), every set of one, two or
-/// three planes is tried (92 for eight planes), and the nearest point that satisfies all planes wins. Equal
-/// inputs give equal outputs. If the intersection is empty (opposite walls closer than the tool) all planes
-/// yield by the least common amount,
+/// solved from these planes alone. If rounding prevents this (planes almost parallel), every set of one, two
+/// or three planes is tried (92 for eight planes), and the nearest point that satisfies all planes wins.
+/// Equal inputs give equal outputs. If the intersection is empty (opposite walls closer than the tool) all
+/// planes yield by the least common amount,
 ///
 ///     min |x|^2 + 1e6 s^2   subject to   n_i·x + s >= offset_i
 ///

@@ -9,14 +9,17 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr int kMaxSweeps = 30;                // a cold start takes five or six, a warm start one or two
-constexpr double kOrthogonal = 4e-15;         // cosine below which two rows count as orthogonal
-constexpr double kSmallTurn = 1e-4;           // tangent t below which t^4 is below a double's last bit
-constexpr double kNoDirection = 1e-14;        // share of the largest singular value: no direction below it
-constexpr double kStillOrthogonal = 0x1p-40;  // error of U^T U = 1 up to which `near` is used as it is
+// usually needed: five or six from the identity, one or two from the previous tick's U
+constexpr int kMaxSweeps = 30;
+constexpr double kOrthogonal = 4e-15;  // cosine below which two rows count as orthogonal
+constexpr double kSmallTurn = 1e-4;    // for a smaller tangent t, t^4 is below a double's last bit
+// a singular value below this fraction of the largest one determines no direction
+constexpr double kNoDirection = 1e-14;
+constexpr double kStillOrthogonal = 0x1p-40;  // if U^T U deviates from 1 by no more, `near` is used unchanged
 
-// Completes the columns of V from `from` on to an orthonormal basis: each from the unit vector with the
-// smallest component in the other columns, orthogonalised twice against rounding.
+// Fills the columns of V from number `from` on, so that V is orthonormal. Each column is made from the unit
+// vector that is least contained in the columns before it, and orthogonalised twice to remove rounding
+// errors.
 template <int N>
 void CompleteBasis(Eigen::Matrix<double, N, N>& V, int from) {
   for (int k = from; k < N; ++k) {
@@ -35,13 +38,14 @@ void CompleteBasis(Eigen::Matrix<double, N, N>& V, int from) {
   }
 }
 
-// Rotation that makes two columns orthogonal: a their dot product, b the difference of their squares.
+// Rotation that makes two columns orthogonal. a: dot product of the columns; b: difference of their squared
+// lengths.
 struct Turn {
   double c, s, tangent;
 };
 Turn TurnOf(double a, double b) {
   const double small = a / b;          // for small angles t = a / b (1 - (a / b)^2 + …)
-  if (std::abs(small) < kSmallTurn) {  // usual after a warm start: no square roots
+  if (std::abs(small) < kSmallTurn) {  // the usual case with the previous tick's U: needs no square roots
     const double t = small - small * small * small, c = 1.0 - 0.5 * t * t;
     return {.c = c, .s = c * t, .tangent = t};
   }
@@ -69,7 +73,7 @@ JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
   if ((U.transpose() * U - Eigen::Matrix<double, 6, 6>::Identity()).cwiseAbs().maxCoeff() > kStillOrthogonal)
     MakeOrthonormal(U);
   Eigen::Matrix<double, N, 6> W = J.transpose() * U;  // columns sigma v
-  Eigen::Matrix<double, 6, 1> squares;                // of the singular values
+  Eigen::Matrix<double, 6, 1> squares;                // squared singular values
 
   bool turned = true;
   while (turned && out.sweeps < kMaxSweeps) {
@@ -98,7 +102,7 @@ JacobianSvd<N> ComputeJacobianSvd(const Eigen::Matrix<double, 6, N>& J,
       }
   }
 
-  // descending; equal values keep their order
+  // sort the singular values in descending order; equal values keep their order
   std::array<int, 6> order{0, 1, 2, 3, 4, 5};
   for (std::size_t i = 1; i < 6; ++i)
     for (std::size_t k = i; k > 0 && squares[order[k]] > squares[order[k - 1]]; --k)

@@ -12,7 +12,7 @@ struct JacobianSvd {
   Eigen::Matrix<double, 6, 1> sigma{Eigen::Matrix<double, 6, 1>::Zero()};  ///< descending, >= 0
   /// Columns: right singular vectors; those after the sixth span the null space.
   Eigen::Matrix<double, N, N> V{Eigen::Matrix<double, N, N>::Identity()};
-  int sweeps{0};  ///< sweeps over all pairs of rows until they were orthogonal
+  int sweeps{0};  ///< number of sweeps over all pairs of rows until the rows were orthogonal
 };
 
 /// Computes the decomposition by one-sided Jacobi rotations: pairs of rows of U^T J are rotated against

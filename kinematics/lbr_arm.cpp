@@ -57,7 +57,7 @@ double LbrArm::ArmAngle(const JointVector& q) const OSTEON_RT {
   const Vector3 x_2(c1 * c2, s1 * c2, -s2), y_2(-s1, c1, 0.0), u(c1 * s2, s1 * s2, c2);
   const Vector3 x_3 = c3 * x_2 + s3 * y_2, y_3 = c3 * y_2 - s3 * x_2;
 
-  // the normal of the elbow's plane is the elbow's axis, for either sign of the bend
+  // the normal of the elbow's plane is ± the axis of A4
   const Vector3 f = std::cos(q[3]) * u - std::sin(q[3]) * x_3;
   const Vector3 p_SW = params_.shoulder_to_elbow_m * u + params_.elbow_to_wrist_m * f;
   const double reach = p_SW.norm();
@@ -83,7 +83,7 @@ const LbrSolution* LbrSolutions::Nearest(const JointVector& seed) const OSTEON_R
 LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVector& seed) const OSTEON_RT {
   LbrSolutions result;
 
-  // wrist relative to the shoulder, and its triangle with the elbow
+  // position of the wrist relative to the shoulder, and the triangle of shoulder, elbow and wrist
   const ElbowTriangle triangle = TriangleTo(params_, ShoulderToWrist(params_, X_BF));
   result.out_of_reach_m = triangle.out_of_reach_m;
   if (!std::isfinite(X_BF.linear().sum() + arm_angle_rad))
@@ -99,7 +99,7 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   const Vector3 d = triangle.cos_shoulder * e - triangle.sin_shoulder * circle.axis;
   const Vector3 f = triangle.cos_elbow * u - triangle.sin_elbow * d;
 
-  // configuration 0: q2, q4, q6 >= 0. Shoulder: R_B3 = [d m u]
+  // joints of configuration 0 (q2, q4, q6 >= 0); first the shoulder, with R_B3 = [d m u]
   JointVector q;
   double sine = std::sqrt(u.x() * u.x() + u.y() * u.y()), c, s;
   if (sine < kFreeJoint) {
@@ -118,8 +118,8 @@ LbrSolutions LbrArm::Solve(const Pose& X_BF, double arm_angle_rad, const JointVe
   const WristAngles wrist = SolveWrist(m.cross(f), m, f, X_BF.linear(), seed[4]);
   q.tail<3>() << wrist.turn, wrist.tilt, wrist.twist;
 
-  // Two values of each joint, as computed and after a flip, and how far each value is beyond the limits. A
-  // flip of A2, A4 or A6 changes the sign of that joint and turns its neighbours by half a turn.
+  // Each joint has two values, as computed and after a flip. Also compute how far each value is beyond the
+  // limits. A flip of A2, A4 or A6 changes the sign of that joint and turns its neighbours by half a turn.
   std::array<JointVector, 2> q_of{q, {}};
   std::array<std::array<double, 7>, 2> beyond_of{};
   for (int i = 0; i < 7; ++i) q_of[1][i] = i % 2 == 1 ? -q[i] : q[i] - std::copysign(kPi, q[i]);

@@ -8,7 +8,7 @@
 #include "kinematics/spatial.h"
 #include "kinematics/two_links.h"
 
-// Geometry of an LBR's elbow for a given wrist, shared by the inverse and by the intervals of the arm angle.
+// Geometry of an LBR's elbow for a given wrist position. LbrArm::Solve and FindArmAngleIntervals use it.
 //
 //           E            the triangle shoulder S, elbow E, wrist W is rigid; it turns about SW by the arm
 //        u / \ f         angle psi. In its plane: axis a along SW, e toward the elbow; m = a x e its normal.
@@ -26,7 +26,8 @@ struct ElbowCircle {
 
 /// Frame of the elbow's circle, for the unit axis from shoulder to wrist.
 inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
-  constexpr double kVertical = 1e-9;  // sine below which the circle has no highest point
+  // if the sine between axis and vertical is smaller, the circle has no highest point
+  constexpr double kVertical = 1e-9;
   const double h = std::sqrt(axis.x() * axis.x() + axis.y() * axis.y());
   if (h < kVertical) {
     const Vector3 up = (Vector3::UnitX() - axis.x() * axis).normalized();
@@ -42,8 +43,8 @@ inline ElbowCircle CircleAround(const Vector3& axis) OSTEON_RT {
 struct ElbowTriangle {
   Vector3 axis;                       ///< from shoulder to wrist, unit
   double out_of_reach_m;              ///< as LbrSolutions::out_of_reach_m; if 0 the rest is set
-  double cos_shoulder, sin_shoulder;  ///< alpha, 0 … pi
-  double cos_elbow, sin_elbow;        ///< |q4|, 0 … pi
+  double cos_shoulder, sin_shoulder;  ///< of alpha, the angle at the shoulder, 0 … pi
+  double cos_elbow, sin_elbow;        ///< of |q4|, 0 … pi
 };
 
 /// Solves the triangle for a wrist at p_SW from the shoulder.
@@ -55,7 +56,7 @@ inline ElbowTriangle TriangleTo(const LbrParams& params, const Vector3& p_SW) OS
   if (links.out_of_reach_m != 0.0) return t;
   t.cos_elbow = links.cos_elbow;
   t.sin_elbow = links.sin_elbow;
-  if (reach == 0.0) {  // equal links, folded: any direction
+  if (reach == 0.0) {  // the two links are equally long and folded together, so any direction will do
     t.axis = Vector3::UnitZ();
     t.cos_shoulder = 1.0;
     t.sin_shoulder = 0.0;

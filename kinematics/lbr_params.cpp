@@ -43,7 +43,7 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
   const Vector3 x = Vector3::UnitX(), y = Vector3::UnitY(), z = Vector3::UnitZ();
   const std::array<Vector3, 7> expected{z, y, z, -y, z, y, z};
 
-  // check the direction of every axis, and that the turning axes are the line above B's origin
+  // check the direction of every axis, and that the turning axes lie on B's z axis
   Pose X_BL = Pose::Identity();
   std::array<Line, 7> axis;
   for (std::size_t i = 0; i < 7; ++i) {
@@ -55,14 +55,14 @@ LbrParams LbrParamsFrom(const ChainParams<7>& chain) {
     if (!(tilt_rad <= kOff_rad))
       Refuse("axis of " + name + " at zero is " + Text(axis[i].direction) + ", accepted " + Text(expected[i]),
              tilt_rad, "rad", kOff_rad);
-    // a turning axis is z of B itself; a bending axis crosses it
+    // a turning axis lies on B's z axis; a bending axis crosses it
     const double beside_m = expected[i].z() != 0.0 ? std::hypot(axis[i].point.x(), axis[i].point.y())
                                                    : std::abs(axis[i].point.x());
     if (!(beside_m <= kOff_m))
       Refuse("axis of " + name + " passes beside the line from base to flange", beside_m, "m", kOff_m);
   }
 
-  // check that the flange is on that line, aligned with B
+  // check that the flange is on B's z axis and aligned with B
   const Pose X_BF = X_BL * chain.X_LF;
   const double beside_m = std::hypot(X_BF.translation().x(), X_BF.translation().y());
   if (!(beside_m <= kOff_m))

@@ -22,9 +22,9 @@ struct LbrParams {
 
 /// Derives the four lengths from an arm described joint by joint, after checking that its axes are an LBR's:
 /// at zero all axes lie along z, y, z, -y, z, y, z of B; A1 A2 A3 meet in the shoulder, A5 A6 A7 in the
-/// wrist; shoulder, elbow and wrist lie on z of B, and the flange is aligned with B on that line. Accepted:
-/// 1e-9 m and 1e-9 rad, the accuracy of the closed-form inverse that relies on it.
-/// @throws std::invalid_argument naming the joint, what is off and by how much.
+/// wrist; shoulder, elbow and wrist lie on z of B, and the flange is aligned with B on that line. Deviations
+/// of up to 1e-9 m and 1e-9 rad are accepted; the closed-form inverse then has this accuracy.
+/// @throws std::invalid_argument naming the joint, what deviates and by how much.
 [[nodiscard]] LbrParams LbrParamsFrom(const ChainParams<7>& chain);
 
 /// Describes the same arm joint by joint: link frames on the line from base to flange, all aligned at zero.

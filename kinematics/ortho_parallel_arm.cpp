@@ -20,12 +20,13 @@ constexpr double kPi = std::numbers::pi, kTurn = 2.0 * kPi;
                               accepted);
 }
 
-// A joint value, chosen within the limits if an equivalent is, and how far it is beyond them (<= 0: within).
+// A joint value chosen by FitToLimits, and how far it is beyond the limits (<= 0: within).
 struct FittedJoint {
   double q, beyond;
 };
 
-// Chooses among q and its equivalents a turn away the one within the limits, else the one least beyond them.
+// Chooses between q and its equivalents one turn away: the one within the limits or, if none is, the one
+// least beyond them.
 FittedJoint FitToLimits(double q, const JointLimits& limit) {
   q = q > kPi ? q - kTurn : q < -kPi ? q + kTurn : q;
   if (q >= limit.lower_rad && q <= limit.upper_rad) return {q, 0.0};
@@ -35,7 +36,8 @@ FittedJoint FitToLimits(double q, const JointLimits& limit) {
   return beyond_other < beyond ? FittedJoint{other, beyond_other} : FittedJoint{q, beyond};
 }
 
-// The equivalent of q nearest to seed that the limits allow; q itself is a candidate.
+// Returns the value nearest to `seed` among q and its equivalents, up to two turns away, that are within the
+// limits.
 double NearestEquivalent(double q, const JointLimits& limit, double seed) {
   double best = q;
   for (const double other : {q - 2.0 * kTurn, q - kTurn, q + kTurn, q + 2.0 * kTurn})
@@ -45,7 +47,7 @@ double NearestEquivalent(double q, const JointLimits& limit, double seed) {
   return best;
 }
 
-// An angle, by its cosine and sine.
+// An angle, stored as its cosine and sine.
 struct Angle {
   double c, s;
 };
@@ -103,7 +105,8 @@ int OrthoParallelArm::Configuration(const Joints& q) const OSTEON_RT {
   return (front < 0.0 ? 1 : 0) + (std::sin(gamma) < 0.0 ? 2 : 0) + (std::sin(theta(4)) < 0.0 ? 4 : 0);
 }
 
-// More than 60 lines: the eight solutions of one paper, in its order and with its symbols.
+// More than 60 lines, because this follows one paper's derivation of the eight solutions, in its order and
+// with its symbols.
 OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& seed) const OSTEON_RT {
   OrthoParallelSolutions result;
   const Vector3 wrist = X_BF.translation() - params_.c4_m * X_BF.linear().col(2);
@@ -112,14 +115,14 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
     return result;
   }
 
-  // no arm plane contains a wrist within |b| of A1
+  // a wrist nearer to A1 than |b| is in no arm plane
   const double from_axis = std::hypot(wrist.x(), wrist.y()), b = params_.b_m;
   if (from_axis < std::abs(b) - kFreeJoint) {
     result.out_of_reach_m = from_axis - std::abs(b);
     return result;
   }
   const double front = std::sqrt(std::max(0.0, (from_axis - b) * (from_axis + b)));
-  // the seed's value of a joint that a singularity leaves free
+  // value of theta_i that corresponds to the seed, for a joint that a singularity leaves free
   const auto free_theta = [&](std::size_t i) {
     return std::remainder(params_.sign[i] * seed[static_cast<int>(i)] - params_.offset_rad[i], kTurn);
   };
@@ -138,7 +141,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       theta[0] = Radians(turn);
     }
 
-    // within this plane the two links reach from A2 to the wrist
+    // in this plane the two links connect A2 with the wrist
     const double x = x_1 - params_.a1_m, z = wrist.z() - params_.c1_m, reach = std::hypot(x, z);
     const TwoLinks links = SolveTwoLinks(params_.c2_m, fore_m_, reach);
     if (std::abs(links.out_of_reach_m) < std::abs(result.out_of_reach_m))
@@ -159,7 +162,7 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
       }
       theta[2] = (bent_back == 0 ? elbow_rad : -elbow_rad) - fore_rad_;
 
-      // axes of the forearm; the wrist supplies the remaining rotation to the flange
+      // axes of the forearm; A4, A5 and A6 make the remaining rotation from the forearm to the flange
       const Angle pitch = Sum(Sum(tilt, gamma), {params_.c3_m / fore_m_, -params_.a2_m / fore_m_});
       const Vector3 x_c(turn.c * pitch.c, turn.s * pitch.c, -pitch.s), y_c(-turn.s, turn.c, 0.0);
       const Vector3 z_c(turn.c * pitch.s, turn.s * pitch.s, pitch.c);
@@ -172,7 +175,8 @@ OrthoParallelSolutions OrthoParallelArm::Solve(const Pose& X_BF, const Joints& s
   return result;
 }
 
-// Sets a posture with positive wrist tilt, and the flipped one, with A4 and A6 half a turn away.
+// Sets two postures: the given one with positive wrist tilt, and the flipped one, with A5 negated and A4 and
+// A6 half a turn away.
 void OrthoParallelArm::SetPair(const std::array<double, 6>& theta, OrthoParallelSolution& straight,
                                OrthoParallelSolution& flipped) const OSTEON_RT {
   straight.exists = flipped.exists = true;

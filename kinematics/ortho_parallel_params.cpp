@@ -14,10 +14,10 @@ namespace {
 constexpr double kOff_m = 1e-9;
 constexpr double kOff_rad = 1e-9;
 
-// @param off  how far the arm is from the required geometry
-// @throws std::invalid_argument if `off` is beyond `accepted`.
+// Refuses an arm whose deviation from the required geometry is too large. @param off  the deviation
+// @throws std::invalid_argument if `off` is larger than `accepted`.
 void Require(const std::string& what, double off, const char* unit, double accepted) {
-  if (off <= accepted) return;  // refuses NaN
+  if (off <= accepted) return;  // false for NaN, which is refused too
   std::ostringstream text;
   text << "arm is not ortho-parallel with a spherical wrist: " << what << ", found " << off << ' ' << unit
        << " off, accepted " << accepted << ' ' << unit;
@@ -79,7 +79,7 @@ OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain) {
   }
   X_BF = X_BF * chain.X_LF;
 
-  // directions, and the point where the wrist's axes meet
+  // check the axes' directions, and that the wrist's axes meet in one point
   Require("axis of A1 is not z of B", Sine(axis[0].direction, z), "rad", kOff_rad);
   Require("axis of A1 passes beside B's origin", Distance(axis[0], Vector3::Zero()), "m", kOff_m);
   Require("axis of A2 at zero is not along y of B", Sine(axis[1].direction, y), "rad", kOff_rad);
@@ -95,9 +95,9 @@ OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain) {
   Require("flange is beside A6", Distance(axis[5], X_BF.translation()), "m", kOff_m);
   Require("flange does not look along A6", Sine(axis[5].direction, X_BF.linear().col(2)), "rad", kOff_rad);
 
-  // lengths in the arm's plane: from A2 to A3, and on to the wrist along A4
+  // lengths in the arm's plane: from A2 to A3, and from A3 along A4 to the wrist
   OrthoParallelParams params;
-  std::array<double, 6> theta{};  // at q = 0
+  std::array<double, 6> theta{};  // theta1 … theta6 at q = 0
   params.a1_m = axis[1].point.x();
   params.c1_m = axis[1].point.z();
   params.b_m = wrist.y();
@@ -115,7 +115,7 @@ OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain) {
   theta[1] = std::atan2(upper.x(), upper.z());
   theta[2] = std::remainder(std::atan2(z_4.x(), z_4.z()) - theta[1], 2.0 * std::numbers::pi);
 
-  // the wrist: A5 is y turned by theta4, A6 is z turned by theta5
+  // wrist: A5 is the forearm's y axis turned by theta4, A6 its z axis then turned by theta5
   const double across = axis[4].direction.dot(y);
   const double sign5 = std::abs(across) > kOff_rad ? Sign(across) : Sign(-axis[4].direction.dot(x_c));
   const Vector3 y_5 = sign5 * axis[4].direction, x_4 = y_5.cross(z_4), z_6 = X_BF.linear().col(2);

@@ -18,10 +18,11 @@ namespace osteon::kinematics {
 /// Kinematics Problem of Industrial Serial Manipulators with an Ortho-parallel Basis and a Spherical Wrist,
 /// Austrian Robotics Workshop 2014. No defaults: a robot's file gives them.
 struct OrthoParallelParams {
-  double a1_m{0.0};  ///< A2 in front of A1
-  double a2_m{0.0};  ///< A4 in front of A3, mostly < 0: above A3 when the forearm points forward
-  double b_m{0.0};   ///< the arm's plane beside A1
-  double c1_m{0.0};  ///< A2 above the base
+  double a1_m{0.0};  ///< distance of A2 in front of A1
+  double a2_m{0.0};  ///< offset of A4 from A3 across the forearm; mostly < 0, which puts A4 above A3 if the
+                     ///< forearm points forward
+  double b_m{0.0};   ///< sideways offset of the arm's plane from A1
+  double c1_m{0.0};  ///< height of A2 above the base
   double c2_m{0.0};  ///< A2 to A3, > 0
   double c3_m{0.0};  ///< A3 to the wrist along A4, > 0
   double c4_m{0.0};  ///< wrist to flange
@@ -36,9 +37,9 @@ struct OrthoParallelParams {
 
 /// Derives the seven lengths, offsets and signs from an arm described joint by joint, after checking its axes
 /// at zero: A1 is z of B, A2 and A3 lie along y of B (either sign), A4 A5 A6 meet in a point, A4 is
-/// perpendicular to A3, A5 to A4 and A6, and the flange looks along A6. Accepted: 1e-9 m and 1e-9 rad, as in
-/// LbrParamsFrom. If the wrist's zero has two descriptions, the one with |theta4| <= 90 deg.
-/// @throws std::invalid_argument naming the joint, what is off and by how much.
+/// perpendicular to A3, A5 to A4 and A6, and the flange looks along A6. Deviations of up to 1e-9 m and 1e-9
+/// rad are accepted. If two descriptions of the wrist fit, the one with |theta4| <= 90 deg is returned.
+/// @throws std::invalid_argument naming what deviates and by how much.
 [[nodiscard]] OrthoParallelParams OrthoParallelParamsFrom(const ChainParams<6>& chain);
 
 }  // namespace osteon::kinematics

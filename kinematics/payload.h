@@ -2,7 +2,7 @@
 
 #include "kinematics/chain_params.h"
 
-// Joins rigid bodies: tool and sensor to the flange.
+// Combines the mass properties of rigid bodies, such as tool, sensor and flange.
 
 namespace osteon::kinematics {
 
@@ -11,10 +11,11 @@ namespace osteon::kinematics {
   return mass_kg * (p_m.squaredNorm() * Matrix3::Identity() - p_m * p_m.transpose());
 }
 
-/// Expresses a body in frame A: centre and inertia rotated, the centre moved. @param body_B  in B
+/// Expresses a body in frame A: centre and inertia rotated, the centre moved. @param body_B  the body in
+/// frame B
 [[nodiscard]] LinkInertia SeenFrom(const Pose& X_AB, const LinkInertia& body_B);
 
-/// Joins two bodies given in one frame. Zero if neither has mass.
+/// Combines two bodies given in the same frame. Zero if neither has mass.
 [[nodiscard]] LinkInertia Joined(const LinkInertia& a, const LinkInertia& b);
 
 /// Adds a body, given in the flange's frame F, to the arm's last link. No effect if the masses are unknown.

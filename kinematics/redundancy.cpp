@@ -12,7 +12,7 @@ JointVectorN<N> AwayFromLimits(const PosturePreferenceParams& params,
   JointVectorN<N> qd;
   for (int i = 0; i < N; ++i) {
     const JointLimits& limit = limits[static_cast<std::size_t>(i)];
-    // squares of the depth in the zone at either end: 0 at the zone's edge, 1 at the limit
+    // depth in the zone at each end of the range: 0 at the zone's edge, 1 at the limit
     const double from_lower_rad = q[i] - limit.lower_rad - margin_rad,
                  to_upper_rad = limit.upper_rad - margin_rad - q[i];
     const double up = std::clamp(1.0 - from_lower_rad / params.limit_zone_rad, 0.0, 1.0);
@@ -25,7 +25,8 @@ JointVectorN<N> AwayFromLimits(const PosturePreferenceParams& params,
 template <int N>
 JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, double sigma_min_m,
                                     const JointVectorN<N>& sigma_gradient_m) OSTEON_RT {
-  constexpr double kFlat_m = 1e-3;  // smaller gradients are not normalised: avoids a unit vector of noise
+  // smaller gradients are not normalised to unit length, because their direction is noise
+  constexpr double kFlat_m = 1e-3;
   const double depth = std::clamp(1.0 - sigma_min_m / params.singular_zone_m, 0.0, 1.0);
   const double slope = std::max(sigma_gradient_m.norm(), kFlat_m);
   return (params.singular_speed_rad_per_s * depth * depth / slope) * sigma_gradient_m;
@@ -50,8 +51,9 @@ template <int N>
 LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params, const SerialChain<N>& chain,
                                      const LoadTarget<N>& target, const LoadedPosture<N>& posture) OSTEON_RT {
   const auto& [q, n, held] = posture;
-  constexpr double kReach_rad = 0.02;    // the slope is a difference over this angle to either side
-  constexpr double kFlat_per_rad = 0.2;  // slope at which the motion has half its speed
+  // the slope is the difference between the values at plus and minus this angle
+  constexpr double kReach_rad = 0.02;
+  constexpr double kFlat_per_rad = 0.2;  // slope at which the motion has half its largest speed
   LoadPreference<N> result;
   const bool has_load =
       target.load.axial_N != 0.0 || target.load.lateral_N > 0.0 || target.load.torque_Nm > 0.0;

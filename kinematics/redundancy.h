@@ -6,8 +6,8 @@
 #include "kinematics/force_capability.h"
 #include "kinematics/serial_chain.h"
 
-// Posture preferences, as joint velocities whose null-space part a differential inverse follows
-// (MotionInput::qd_null). Preferences add up.
+// Posture preferences, expressed as joint velocities. Their sum is passed as MotionInput::qd_null, and the
+// differential inverse follows its null-space part.
 
 namespace osteon::kinematics {
 
@@ -16,13 +16,14 @@ struct PosturePreferenceParams {
   double limit_speed_rad_per_s{0.3};  ///< preferred speed at the limit itself; >= 0
   double singular_zone_m{0.07};       ///< postures with a smaller singular value than this are avoided; > 0
   double singular_speed_rad_per_s{0.3};  ///< preferred speed at a singular value of zero; >= 0
-  /// Factor on the wanted load: from a posture that holds less than this multiple, the arm is led to one that
-  /// holds more; > 1.
+  /// Factor on the wanted load; > 1. From a posture that can hold less than this multiple of the load, the
+  /// preference moves the arm toward one that can hold more.
   double load_zone{1.5};
-  double load_speed_rad_per_s{0.3};  ///< preferred speed where no more than the load is held; >= 0
+  /// preferred speed in a posture that can hold no more than the load; >= 0
+  double load_speed_rad_per_s{0.3};
 };
 
-/// The load that a posture should be able to hold, and where it acts.
+/// The load that a posture should be able to hold, and its point of action.
 template <int N>
 struct LoadTarget {
   ToolLoad load;                     ///< zero: no preference
@@ -42,22 +43,23 @@ template <int N>
     const PosturePreferenceParams& params, const std::array<JointLimits, static_cast<std::size_t>(N)>& limits,
     double margin_rad, const JointVectorN<N>& q) OSTEON_RT;
 
-/// Leads away from a singular posture: along the gradient of the smallest singular value, as of the tick
-/// before (MotionOutput).
+/// Joint velocity away from a singular posture: along the gradient of the smallest singular value. Pass the
+/// values of the previous tick's MotionOutput.
 template <int N>
 [[nodiscard]] JointVectorN<N> AwayFromSingularity(const PosturePreferenceParams& params, double sigma_min_m,
                                                   const JointVectorN<N>& sigma_gradient_m) OSTEON_RT;
 
-/// Largest multiple of the load that the arm holds, without relying on gravity's help.
-/// @param J           geometric, of the point target.p_F
+/// Largest multiple of the load that the arm can hold, without counting on the arm's weight to relieve a
+/// drive.
+/// @param J  geometric Jacobian of the point target.p_F
 /// @param gravity_Nm  torques that hold the arm up
 /// @param axis        target.axis_F, unit, in J's frame
 template <int N>
 [[nodiscard]] CapabilityLimit HeldLoad(const LoadTarget<N>& target, const JacobianN<N>& J,
                                        const JointVectorN<N>& gravity_Nm, const Vector3& axis) OSTEON_RT;
 
-/// Largest multiple of the load that the arm holds at q, computed from the chain. @pre
-/// chain.params().has_masses
+/// Largest multiple of the load that the arm can hold at q, with Jacobian and gravity torques computed from
+/// the chain. @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] CapabilityLimit HeldLoad(const SerialChain<N>& chain, const LoadTarget<N>& target,
                                        const JointVectorN<N>& q) OSTEON_RT;
@@ -65,10 +67,11 @@ template <int N>
 template <int N>
 struct LoadPreference {
   JointVectorN<N> qd{JointVectorN<N>::Zero()};  ///< [rad/s]
-  double depth{0.0};  ///< 0: the posture holds the zone's multiple of the load; 1: no more than the load
+  /// 0: the posture can hold load_zone times the load; 1: it can hold no more than the load
+  double depth{0.0};
 };
 
-/// A posture, and the load that it holds.
+/// A posture, and the load that it can hold.
 template <int N>
 struct LoadedPosture {
   const JointVectorN<N>& q;  ///< [rad]
@@ -76,14 +79,14 @@ struct LoadedPosture {
   double held{0.0};  ///< HeldLoad at q, by the caller: a tick has the Jacobian and gravity at q already
 };
 
-/// Leads toward postures that hold more of the load: along the slope of HeldLoad in the unit null direction
-/// n,
+/// Joint velocity toward postures that can hold more of the load. With k the value of HeldLoad and k' its
+/// slope along the unit null direction n,
 ///
 ///     qd = speed depth^2 k' / (|k'| + 0.2/rad) n       depth = (zone - k) / (zone - 1), 0 … 1
 ///
-/// with k = HeldLoad at q, its slope k' along n, load_zone and load_speed_rad_per_s; with a slope of 0.2/rad
-/// the speed is half. k has a kink wherever another joint becomes the one that limits it. So that the motion
-/// stops at a kink instead of alternating across it, k' is the difference of k over ±0.02 rad.
+/// with speed = load_speed_rad_per_s and zone = load_zone. k is the minimum of one smooth function per joint,
+/// so that it has a kink where the limiting joint changes. k' is an average slope over ±0.02 rad: the motion
+/// stops at a kink instead of alternating across it.
 /// @pre chain.params().has_masses
 template <int N>
 [[nodiscard]] LoadPreference<N> LoadGradientMotion(const PosturePreferenceParams& params,

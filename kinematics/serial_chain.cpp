@@ -8,7 +8,8 @@
 namespace osteon::kinematics {
 namespace {
 
-constexpr double kParallel = 1e-14;  // sine below which two axes count as parallel: rounding of a description
+// axes count as parallel if the sine of their angle is smaller: rounding in a robot description
+constexpr double kParallel = 1e-14;
 
 // Unit vector perpendicular to a unit vector.
 Vector3 AnyNormal(const Vector3& z) {
@@ -25,7 +26,7 @@ Matrix3 FrameOf(const Vector3& x, const Vector3& z) {
   return R;
 }
 
-// A frame that moves along the chain: its axes and origin, in B.
+// A frame that is moved along the chain, joint by joint: its axes and origin, in B.
 struct Walker {
   Vector3 x, y, z, p;
 
@@ -73,8 +74,9 @@ SerialChain<N>::SerialChain(const ChainParams<N>& params, const Vector3& gravity
     step.cos_alpha = z_before.dot(z_P);
     step.sin_alpha = x_before.dot(z_before.cross(z_P));
 
-    // x along z_i × z_(i+1), with the sign that gives the smaller offset; no offset for parallel axes
-    // x of the frame before, in the link's frame at q = 0
+    // Choose x of K(i) along z_i × z_(i+1), with the sign that gives the smaller offset; for parallel axes
+    // keep the previous frame's x, which gives no offset. The variable unturned is the previous frame's x, in
+    // the link's frame at q = 0.
     const Vector3 unturned = R_PJ.transpose() * x_before;
     Vector3 x = unturned;
     if (i + 1 < N) {

@@ -12,9 +12,9 @@
 // Sine and cosine of all joints of an arm at once.
 //
 // Two angles go through each operation together (vectors of two doubles, which every x86-64 and AArch64 has),
-// without a branch: seven joints take about a quarter of the time of seven calls of the C library. The
-// library's result also depends on the processor, because it takes another path if there are fused
-// multiply-adds. These functions give the same bits wherever doubles round as IEEE 754 says.
+// without a branch: seven joints take about a quarter of the time of seven calls of the C library. The C
+// library's result also depends on the processor: with fused multiply-adds it computes differently. These
+// functions give the same bits on every processor that rounds doubles by IEEE 754.
 //
 // Method and coefficients: fdlibm's __kernel_sin, __kernel_cos and the first steps of __ieee754_rem_pio2 (Sun
 // Microsystems, 1993): x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts, the first with 33 bits so that
@@ -27,16 +27,17 @@ struct SinCosN {
   std::array<double, N> sin, cos;
 };
 
-/// Sine and cosine of each angle [rad]; error below 2^-52 (test). Uses the C library beyond 1e5 rad and for
-/// an angle that is not finite.
+/// Sine and cosine of each angle [rad]; error below 2^-52, as a test shows. Uses the C library beyond 1e5 rad
+/// and for an angle that is not finite.
 template <std::size_t N>
 [[nodiscard]] inline SinCosN<N> SinCos(const std::array<double, N>& angle_rad) OSTEON_RT {
   static_assert(N % 2 == 0, "angles go in pairs: pad with a 0");
   using Bits [[gnu::vector_size(16)]] = std::int64_t;
   constexpr double kTwoOverPi = 6.36619772367581382433e-01;
   constexpr double kPi2High = 1.57079632673412561417e+00, kPi2Low = 6.07710050650619224932e-11;
-  constexpr double kRound = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to the nearest integer
-  constexpr double kMax_rad = 1e5;               // k < 2^20 there, with a margin
+  // 1.5 * 2^52: adding it to a double rounds the double to an integer
+  constexpr double kRound = 6755399441055744.0;
+  constexpr double kMax_rad = 1e5;  // k < 2^20 there, with a margin
 
   SinCosN<N> out;
   bool large = false;
@@ -67,7 +68,7 @@ template <std::size_t N>
                                   z * (-2.75573143513906633035e-07 +
                                        z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11))))));
 
-    // odd quadrants swap the two; signs: + + - - for the sine, + - - + for the cosine
+    // odd quadrants swap sine and cosine; signs by quadrant: + + - - for the sine, + - - + for the cosine
     const Bits swap = -(quadrant & 1);
     const Bits sine = (std::bit_cast<Bits>(s) & ~swap) | (std::bit_cast<Bits>(c) & swap);
     const Bits cosine = (std::bit_cast<Bits>(c) & ~swap) | (std::bit_cast<Bits>(s) & swap);

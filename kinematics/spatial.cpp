@@ -17,10 +17,10 @@ Matrix3 ExpRotation(const Vector3& r) OSTEON_RT {
 
 double RotationAngle(const Matrix3& R) OSTEON_RT { return Eigen::AngleAxisd(R).angle(); }
 
-// As Eigen's Quaterniond::FromTwoVectors, whose singular value decomposition for opposite vectors would take
-// 5 s to compile.
+// Replaces Eigen's Quaterniond::FromTwoVectors, which uses a singular value decomposition for opposite
+// vectors and would take 5 s to compile.
 Matrix3 RotationFromZTo(const Vector3& axis) {
-  constexpr double kOpposite = 1e-12;  // a cosine this near to -1 counts as opposite to z
+  constexpr double kOpposite = 1e-12;  // a direction whose cosine to z is this near to -1 counts as -z
   const Vector3 z = Vector3::UnitZ(), to = axis.normalized();
   const double c = to.dot(z);
   if (c < kOpposite - 1.0) return Vector3(1.0, -1.0, -1.0).asDiagonal();  // half a turn about x

@@ -6,9 +6,9 @@
 
 #include "base/marker.h"
 
-// Spatial types and the letters of the frames. Monogram notation (Drake's): X_AB is the pose of frame B in
-// frame A, p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC checks by
-// matching letters.
+// Spatial types, and the letters of the frames. The notation is Drake's monogram notation: X_AB is the pose
+// of frame B in frame A, p_AB_C the position from A's origin to B's expressed in C, so X_AC = X_AB * X_BC
+// checks by matching letters.
 //
 //   W  world                     T  tool: origin at the apex, +z the feed direction
 //   B  robot base                D  desired tool pose
@@ -20,9 +20,9 @@
 
 namespace osteon {
 
-// Almost every source includes this header. Its inline functions therefore access single coefficients, since
-// each Eigen expression here would be compiled some seventy times. Functions that need such expressions are
-// in spatial.cpp.
+// Almost every source file includes this header, so an Eigen expression here would be compiled some seventy
+// times. The inline functions therefore access single coefficients only. Functions that need Eigen
+// expressions are in spatial.cpp.
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
@@ -52,7 +52,7 @@ struct PlainVector3 {
   operator Vector3() const { return {x, y, z}; }  // NOLINT
 };
 
-/// A Pose that is trivially copyable. R by rows.
+/// A Pose that is trivially copyable; R is stored row by row.
 struct PlainPose {
   std::array<double, 9> R{1, 0, 0, 0, 1, 0, 0, 0, 1};
   PlainVector3 p;

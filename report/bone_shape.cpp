@@ -34,7 +34,7 @@ std::vector<CellGrid::Item> Boxes(std::span<const MassPoint> points) {
   return items;
 }
 
-/// [m]; 1 mm if there are no balls.
+/// Mean radius of the balls [m]; 1 mm if there are no balls.
 double MeanRadius(std::span<const Ball> balls) {
   double sum = 0.0;
   for (const Ball& ball : balls) sum += ball.radius_m;
@@ -72,8 +72,8 @@ double BallField::Depth(const Vector3& p_G) const {
   return depth_m;
 }
 
-// Walks through the grid's cells along the ray. Source: Amanatides and Woo, A Fast Voxel Traversal Algorithm
-// for Ray Tracing, Eurographics 1987.
+// Visits the grid's cells along the ray one after the other. Source: Amanatides and Woo, A Fast Voxel
+// Traversal Algorithm for Ray Tracing, Eurographics 1987.
 std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G, double max_m) const {
   if (balls_.empty()) return std::nullopt;
   // the part of the ray inside the grid's box
@@ -90,7 +90,8 @@ std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G
   }
   if (!(from <= to)) return std::nullopt;
 
-  // next: distance along the ray to the next cell wall in each direction; step: from wall to wall
+  // for each axis: next is the distance along the ray to the next cell wall, step the distance between two
+  // walls
   CellGrid::Index cell = grid_.Clamped(o_G + from * d_G);
   std::array<double, 3> next{}, step{};
   for (int k = 0; k < 3; ++k) {
@@ -104,7 +105,7 @@ std::optional<double> BallField::FirstHit(const Vector3& o_G, const Vector3& d_G
   while (grid_.Contains(cell)) {
     for (const std::uint32_t i : grid_[cell]) {
       const Vector3 c = Vector3(balls_[i].center_m) - o_G;
-      // where the ray enters the ball: the smaller root of |o + s d - c|² = r²
+      // the ray enters the ball at the smaller root s of |o + s d - c|² = r²
       const double r2 = balls_[i].radius_m * balls_[i].radius_m, middle = c.dot(d_G);
       const double discriminant = middle * middle - c.squaredNorm() + r2;
       if (c.squaredNorm() <= r2) return 0.0;
@@ -127,7 +128,7 @@ std::vector<Ball> CarvedBalls(const Bone& bone, const simulation::CarvedState& s
 }
 
 double SiteReach(const Bone& bone, double radii) {
-  // the distance is at least kAround_m in a picture that reaches kAtRadii of the site's radii
+  // for radii = kAtRadii the distance is at least kAround_m, unless the bone ends before
   constexpr double kAround_m = 25e-3, kAtRadii = 3.2;
   const Vector3 center = bone.site.center_m;
   double farthest_m = 0.0;
@@ -154,7 +155,7 @@ std::optional<MaterialIndex> MaterialMap::At(const Vector3& p_G) const {
   double best_m2 = std::numeric_limits<double>::infinity();  // squared distance
   MaterialIndex material = 0;
   for (int ring = 0; ring <= kReach; ++ring) {
-    // items in a farther ring are at least this far away
+    // items in this ring and in farther ones are at least this far away
     const double ring_m = (ring - 1) * grid_.cell_m();
     if (ring_m > 0.0 && best_m2 <= ring_m * ring_m) break;
     for (int z = at[2] - ring; z <= at[2] + ring; ++z)

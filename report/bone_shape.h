@@ -35,20 +35,21 @@ class BallField {
 [[nodiscard]] std::vector<simulation::Ball> CarvedBalls(const simulation::Bone& bone,
                                                         const simulation::CarvedState& state);
 
-/// Returns the distance from the site up to which a picture shows the bone [m]: `radii` times the site's
-/// radius. The distance is at least 25 mm for each 3.2 `radii`, or as far as the bone reaches, so that a
-/// small opening is shown with the bone around it.
+/// Returns the distance from the site up to which a picture shows the bone [m]. It is `radii` times the
+/// site's radius, but at least `radii` times 25 mm / 3.2 if the bone extends that far, so that a small
+/// opening is shown with bone around it.
 [[nodiscard]] double SiteReach(const simulation::Bone& bone, double radii);
 
 /// Finds the material at a position: from the solid if there is one, else from the nearest mass point,
-/// cleared or not.
+/// whether it is cleared or not.
 class MaterialMap {
  public:
   /// @param solid  the solid from which the bone was packed, or null; must outlive this
   explicit MaterialMap(std::span<const simulation::MassPoint> points,
                        const simulation::Solid* solid = nullptr);
 
-  /// Without a solid, returns nothing if no mass point lies within eight cells.
+  /// Returns the material at p. Without a solid, returns nothing if there is no mass point within eight grid
+  /// cells.
   [[nodiscard]] std::optional<simulation::MaterialIndex> At(const Vector3& p_G) const;
 
  private:

@@ -21,23 +21,23 @@
 namespace osteon::report {
 namespace {
 
-constexpr double kMaxDeviation_um = 32'767.0;  // the largest that std::int16_t holds
-constexpr int kTries = 5;                      // number of grids that are tried, each coarser than the last
+constexpr double kMaxDeviation_um = 32'767.0;  // largest value of std::int16_t
+constexpr int kTries = 5;  // number of grids that are tried, each coarser than the one before
 
 /// Samples the uncut bone on a grid: its solid or, without one, the union of its balls. Null: there is no
 /// ball.
 std::shared_ptr<const surface::SolidField> FieldOf(const simulation::Bone& bone,
                                                    const simulation::Solid* solid, float voxel_mm) {
   if (solid != nullptr) return surface::SampleSolid(*solid, voxel_mm);
-  simulation::Bone finite;  // has only balls, all finite
+  simulation::Bone finite;  // the bone's finite balls and nothing else
   for (const simulation::Ball& ball : bone.balls)
     if (Vector3(ball.center_m).allFinite() && ball.radius_m > 0.0) finite.balls.push_back(ball);
   if (finite.balls.empty()) return nullptr;
   return surface::UnionOfBalls(finite, voxel_mm);
 }
 
-/// Returns the deepest pose of a tool's path, and a pose straight out from there; empty: the tool cannot cut,
-/// or its path is empty.
+/// Returns the deepest pose of a tool's path, and that pose moved out along the site's axis; empty if the
+/// tool cannot cut or its path is empty.
 std::vector<Pose> DeepestAndOut(const simulation::Bone& bone, const simulation::ToolPath& path) {
   const simulation::ToolBall* head = simulation::CuttingHead(*path.tool);
   const Vector3 axis = Vector3(bone.site.axis).normalized();
@@ -51,13 +51,13 @@ std::vector<Pose> DeepestAndOut(const simulation::Bone& bone, const simulation::
     depth_m = height_m;
   }
   if (deepest == nullptr || !axis.allFinite()) return {};
-  constexpr double kOut_m = 0.5;  // clear of every bone
+  constexpr double kOut_m = 0.5;  // distance that is clear of every bone
   std::vector<Pose> way(2, *deepest);
   way[1].translation() += kOut_m * axis;
   return way;
 }
 
-/// The cavity that the tools leave if each is drawn straight out from its deepest pose.
+/// Returns the ideal cavity: the space that the tools sweep if each moves straight out from its deepest pose.
 simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const simulation::ToolPath> paths) {
   std::vector<std::vector<Pose>> ways;
   std::vector<simulation::ToolPath> straight;
@@ -71,8 +71,8 @@ simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const 
 
 /// Signed distance of a point from the planned or ideal cavity [m].
 using DistanceTo = std::function<double(const Vector3&)>;
-/// Returns the distance to the cavity with which cut faces are compared: the planned one or, without a plan,
-/// the ideal one. Empty: no tool cuts, or there is no path.
+/// Returns the distance function of the cavity with which cut faces are compared: of the planned cavity or,
+/// without a plan, of the ideal one. Empty: no tool cuts, or there is no path.
 DistanceTo DistanceToCavity(const CarveInput& input) {
   auto ideal = std::make_shared<const simulation::SweptTool>(IdealCavity(input.bone, input.paths));
   if (ideal->empty()) return {};
@@ -96,7 +96,8 @@ CarvedSurface ExtractForPage(const surface::CarvedField& field, const MaterialMa
     const std::size_t begin = out.chunks.size();
     surface::AppendChunk(out.layout, chunk, out.chunks);
     if (!distance_m) continue;
-    // read the chunk back as the page will: deviations belong to the vertices in the bytes
+    // read the chunk back as the page's script will, because the deviations must be those of the vertices in
+    // these bytes
     if (!surface::ReadChunk(out.layout, std::span(out.chunks).subspan(begin), sent)) continue;
     for (const surface::SurfaceVertex& vertex : sent.vertices) {
       if (!vertex.cut) continue;
@@ -131,8 +132,8 @@ std::optional<BoneMesh> MeshOf(const surface::CarvedField& field, std::size_t ma
   return mesh;
 }
 
-/// Carves with many capsules per call, because each call goes over the bricks. A batch is bounded, because
-/// each brick is checked against all capsules of a call.
+/// Carves with many capsules per call, because each call visits all bricks. The number per call is limited,
+/// because each brick is checked against all capsules of the call.
 void CarveInBatches(surface::CarvedField& field, std::span<const surface::Capsule> capsules) {
   constexpr std::size_t kBatch = 4096;  // capsules
   for (std::size_t at = 0; at < capsules.size(); at += kBatch)
@@ -149,7 +150,7 @@ std::vector<surface::Capsule> CapsulesOf(std::span<const simulation::ToolPath> p
   return capsules;
 }
 
-/// Makes a data: address that holds the bytes.
+/// Makes a "data:" URL that contains the bytes.
 std::string DataAddress(const std::vector<std::uint8_t>& bytes) {
   return "data:application/octet-stream;base64," + Base64(bytes);
 }
@@ -167,7 +168,7 @@ std::string ShowButton(const char* what, const char* text, bool pressed) {
                      pressed, text);
 }
 
-/// Deviation at the end of the colour scale: rounded, and at least 0.1 mm.
+/// Returns the deviation at the end of the colour scale: rounded, and at least 0.1 mm.
 double ColorRange_mm(const CavityError& error) {
   constexpr double kMinRange_mm = 0.1;
   return NiceRange({0.0, std::max(kMinRange_mm, 1e3 * error.p95_m)}, 3).max;
@@ -222,7 +223,7 @@ BoneMeshes MeshBone(const CarveInput& input) {
 CarvedSurface CarveSurface(const CarveInput& input) {
   if (input.paths.empty()) return {};
   const DistanceTo distance_m = DistanceToCavity(input);
-  constexpr double kCoarser = 1.1;  // margin on the voxel size that should give max_quads
+  constexpr double kCoarser = 1.1;  // margin: factor on the voxel size that is expected to give max_quads
   float voxel_mm = surface::VoxelFor(*input.paths.back().tool);
   const std::vector<surface::Capsule> capsules = CapsulesOf(input.paths);
   CarvedSurface carved;
@@ -235,7 +236,7 @@ CarvedSurface CarveSurface(const CarveInput& input) {
       carved = ExtractForPage(field, input.materials, distance_m);
       carved.planned = static_cast<bool>(input.planned);
       if (carved.quads <= input.max_quads) return carved;
-      // the number of quads falls with the square of the voxel size
+      // the number of quads is inversely proportional to the square of the voxel size
       voxel_mm *= static_cast<float>(
           kCoarser * std::sqrt(static_cast<double>(carved.quads) / static_cast<double>(input.max_quads)));
     } catch (const std::invalid_argument&) {  // the grid is too large for the memory

@@ -5,7 +5,7 @@
 
 namespace osteon::report {
 namespace {
-constexpr double kMaxCells = 4e6;  // beyond it, cells are made larger
+constexpr double kMaxCells = 4e6;  // most cells; if more would be needed, the cells are made larger
 }
 
 CellGrid::CellGrid(std::span<const Item> items, double cell_m) {
@@ -21,10 +21,10 @@ CellGrid::CellGrid(std::span<const Item> items, double cell_m) {
   while (((extent / cell_m_).array() + 1.0).prod() > kMaxCells) cell_m_ *= 1.3;
   for (int k = 0; k < 3; ++k) size_[k] = static_cast<int>(extent[k] / cell_m_) + 1;
 
-  // count, then fill (two passes over the boxes)
+  // two passes over the boxes: count the items of each cell, then fill in the lists
   const std::size_t cells = static_cast<std::size_t>(size_[0]) * size_[1] * size_[2];
   begin_.assign(cells + 1, 0);
-  // calls visit(flat index) for every cell that the item's box reaches into
+  // calls visit(flat index) for every cell that the item's box overlaps
   const auto each_cell = [this](const Item& item, const auto& visit) {
     const Index a = Clamped(item.min), b = Clamped(item.max);
     for (int z = a[2]; z <= b[2]; ++z)
@@ -43,7 +43,7 @@ CellGrid::Index CellGrid::At(const Vector3& p) const {
   Index cell{};
   for (int k = 0; k < 3; ++k) {
     const double at = std::floor((p[k] - min_[k]) / cell_m_);
-    // a point far outside must not overflow the integer
+    // clamp, so that a point far outside does not overflow the integer
     cell[k] = static_cast<int>(std::clamp(at, -1e6, 1e6));
   }
   return cell;

@@ -8,7 +8,8 @@
 
 namespace osteon::report {
 
-/// A grid of equal cells over a region; each cell lists the items that reach into it. Built once.
+/// A grid of equal cells over a region. Each cell lists the items whose bounding boxes overlap it. Built
+/// once.
 class CellGrid {
  public:
   /// An item's bounding box.
@@ -21,12 +22,12 @@ class CellGrid {
   CellGrid(std::span<const Item> items, double cell_m);
 
   using Index = std::array<int, 3>;
-  /// The cell that holds p; clamped to the grid if p is outside.
+  /// The cell that contains p; if p is outside, the nearest cell of the grid.
   [[nodiscard]] Index Clamped(const Vector3& p) const;
   [[nodiscard]] bool Contains(const Index& cell) const;
-  /// The cell that holds p; may lie outside the grid.
+  /// The cell that contains p; may lie outside the grid.
   [[nodiscard]] Index At(const Vector3& p) const;
-  /// The items that reach into a cell of the grid.
+  /// The items of a cell of the grid.
   [[nodiscard]] std::span<const std::uint32_t> operator[](const Index& cell) const;
 
   [[nodiscard]] bool empty() const { return items_.empty(); }

@@ -35,8 +35,8 @@ void PlanarGrid::CloseBorder(float value) {
 }
 
 std::vector<Polyline> Contour(const PlanarGrid& grid) {
-  // An edge of the grid is identified by its lower node and its direction. Each crossed edge has at most one
-  // successor, since segments are directed with the inside on their left.
+  // An edge of the grid is identified by its lower node and its direction. Segments are directed with the
+  // inside on their left, so each crossed edge has at most one successor.
   using Edge = std::uint64_t;
   std::unordered_map<Edge, Edge> next;
   std::unordered_map<Edge, char> has_previous;
@@ -44,7 +44,8 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
     return 2 * (static_cast<Edge>(j) * static_cast<Edge>(grid.nx) + static_cast<Edge>(i)) +
            (vertical ? 1u : 0u);
   };
-  std::vector<Edge> order;  // edges as they were found, so that the result does not depend on hashing
+  std::vector<Edge> order;  // edges in the order in which they were found, so that the result does not depend
+                            // on the hash map
   const auto link = [&](Edge from, Edge to) {
     next[from] = to;
     has_previous[to] = 1;
@@ -58,7 +59,8 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
       if (code == 0 || code == 15) continue;
       const Edge bottom = edge(i, j, false), right = edge(i + 1, j, true), top = edge(i, j + 1, false),
                  left = edge(i, j, true);
-      // if two opposite corners are negative: whether they are connected through the cell's middle
+      // only used if two opposite corners are negative: whether these two are connected through the cell's
+      // middle
       const bool joined = a + b + c + d < 0;
       switch (code) {
         case 1:
@@ -110,7 +112,7 @@ std::vector<Polyline> Contour(const PlanarGrid& grid) {
       }
     }
   }
-  // the place on an edge where the field, linear between its nodes, is zero
+  // the point on an edge at which the field is zero, if it is linear between the nodes
   const auto crossing = [&grid](Edge e) {
     const bool vertical = (e & 1u) != 0;
     const auto node = static_cast<std::int64_t>(e >> 1u);

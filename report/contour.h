@@ -19,22 +19,23 @@ struct PlanarGrid {
   [[nodiscard]] Vector2 Node(int i, int j) const { return min + step * Vector2(i, j); }
   [[nodiscard]] float& At(int i, int j) { return values[static_cast<std::size_t>(j) * nx + i]; }
   [[nodiscard]] float At(int i, int j) const { return values[static_cast<std::size_t>(j) * nx + i]; }
-  /// Sets the nodes of the border to `value`, so that every contour closes.
+  /// Sets the nodes of the border to `value`. With a positive value every contour is closed.
   void CloseBorder(float value);
 };
 
-/// Points joined by straight lines; closed: the last one is joined to the first as well.
+/// Points joined by straight lines. If `closed`, the last point is joined to the first.
 struct Polyline {
   std::vector<Vector2> points{};
   bool closed{false};
 };
 
 /// Returns the lines on which the field is zero, linear between nodes (marching squares), with the negative
-/// side on their left. Lines that leave the grid stay open. An ambiguous cell is decided by the mean of its
-/// corners.
+/// side on their left. Lines that leave the grid stay open. If the corners of a cell allow two ways of
+/// joining, the mean of the corners decides.
 [[nodiscard]] std::vector<Polyline> Contour(const PlanarGrid& grid);
 
-/// Removes points of a line that lie within `tolerance` of a chord between points that stay.
+/// Removes points of a line that lie within `tolerance` of the chord between the neighbouring points that are
+/// kept.
 [[nodiscard]] Polyline Simplify(const Polyline& line, double tolerance);
 
 }  // namespace osteon::report

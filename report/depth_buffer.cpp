@@ -32,12 +32,14 @@ Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, doub
 
 namespace {
 
-/// A vertex projected into the picture: pixels, and 1 / depth, which is linear over the picture.
+/// A vertex projected into the picture: its pixel coordinates, and 1 / depth, because 1 / depth is linear
+/// over the picture.
 struct Projected {
   double x, y, inverse_z;
 };
 
-/// Twice the signed area of a, b and a point; its sign says on which side of ab the point lies.
+/// Twice the signed area of the triangle of a, b and a point. The sign tells on which side of the line ab the
+/// point lies.
 double Side(const Projected& a, const Projected& b, double x, double y) {
   return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
@@ -57,7 +59,7 @@ DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<
   for (const auto& triangle : mesh.triangles) {
     const Projected &a = projected[triangle[0]], &b = projected[triangle[1]], &c = projected[triangle[2]];
     if (!(std::min({a.inverse_z, b.inverse_z, c.inverse_z}) > 0.0)) continue;
-    const double area = Side(a, b, c.x, c.y);  // twice the triangle's, signed
+    const double area = Side(a, b, c.x, c.y);  // twice the triangle's signed area
     if (area == 0.0 || !std::isfinite(area)) continue;
     // the pixels of the triangle's bounding box
     const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
@@ -78,7 +80,8 @@ DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera, std::vector<
         if (z >= buffer.depth_m[pixel]) continue;
         buffer.depth_m[pixel] = z;
         if (!normals) continue;
-        // weight of a vertex on the surface itself: perspective makes it differ from that in the picture
+        // weight of a vertex on the surface in space, which differs from the weight in the picture by
+        // perspective
         const auto share = [&](double s, const Projected& of) {
           return static_cast<float>(s * of.inverse_z / inverse_z);
         };

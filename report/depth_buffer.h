@@ -15,7 +15,8 @@ struct Camera {
   double center_x_px{450.0}, center_y_px{350.0};
   int width{900}, height{700};
 
-  /// Returns the direction of the ray through a point of the picture, scaled to length 1 along `forward`.
+  /// Returns the direction of the ray through a point of the picture, scaled so that its component along
+  /// `forward` is 1.
   [[nodiscard]] Vector3 Ray(double x_px, double y_px) const {
     return forward + (x_px - center_x_px) / focal_px * right - (y_px - center_y_px) / focal_px * up;
   }
@@ -34,7 +35,8 @@ struct Camera {
 [[nodiscard]] Camera LookAt(const Vector3& eye, const Vector3& target, const Vector3& up, double focal_px,
                             int width, int height);
 
-/// The depth along the camera's axis of the first surface at each pixel's centre; kNothing if there is none.
+/// For each pixel's centre, the depth of the first surface along the camera's axis; kNothing if there is
+/// none.
 struct DepthBuffer {
   static constexpr float kNothing = 1e30f;
   int width{0}, height{0};
@@ -50,8 +52,8 @@ struct BoneMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles{};  ///< counter-clockwise seen from outside
 };
 
-/// Draws a mesh's depths. A triangle that reaches behind the camera is left out.
-/// @param normals  null, or gets a normal for each pixel: that of the visible surface, in G, interpolated
+/// Computes the depths of a mesh. A triangle that is partly behind the camera is left out.
+/// @param normals  null, or receives the interpolated normal of the visible surface at each pixel, in G
 [[nodiscard]] DepthBuffer RenderDepth(const BoneMesh& mesh, const Camera& camera,
                                       std::vector<Eigen::Vector3f>* normals = nullptr);
 

@@ -11,8 +11,8 @@
 
 namespace osteon::report {
 
-/// Counts how often each duration occurred, to the nanosecond: exact percentiles of a run of any length
-/// without a list of its durations.
+/// Counts how often each duration occurred, to the nanosecond. This gives exact percentiles of a run of any
+/// length without a list of all durations.
 ///
 /// Memory depends on how much the durations differ, not on their number: 4 KiB for each interval of 1024 ns
 /// below 16.8 ms that contains a duration (at most 64 MiB), and 48 bytes for each different longer duration.
@@ -41,8 +41,9 @@ class DurationCounts {
   using Page = std::array<std::uint32_t, kPage>;                 // how often each duration occurred
 
   std::uint64_t count_{0};
-  std::vector<std::unique_ptr<Page>> pages_;         // of 1024 ns each
-  std::map<rt::Nanoseconds, std::uint64_t> others_;  // below zero, and beyond the pages
+  // page i counts the durations from 1024 i ns on; null: none occurred
+  std::vector<std::unique_ptr<Page>> pages_;
+  std::map<rt::Nanoseconds, std::uint64_t> others_;  // durations below zero, or beyond the last page
 };
 
 }  // namespace osteon::report

@@ -26,10 +26,10 @@ constexpr std::array<std::array<double, 3>, 9> kViridis{{{68, 1, 84},
                                                          {173, 220, 48},
                                                          {253, 231, 37}}};
 constexpr std::array<std::uint8_t, 3> kEmptyRgb{228, 230, 233};  // where there is no value
-constexpr int kPixelsACell = 8;       // of the picture, along each edge of a cell between four nodes
+constexpr int kPixelsACell = 8;       // pixels of the picture along each edge of a cell between four nodes
 constexpr double kLabelPx = 11.5;     // font size of contour numbers and marks' labels
 constexpr double kGap = 30.0;         // between panels [px]
-constexpr double kScaleWidth = 18.0;  // of the colour scale's bar [px]
+constexpr double kScaleWidth = 18.0;  // width of the colour scale's bar [px]
 
 // RGB 0 … 255 of a fraction 0 … 1 of the colour scale.
 std::array<double, 3> Viridis(double share) {
@@ -41,8 +41,8 @@ std::array<double, 3> Viridis(double share) {
   return rgb;
 }
 
-// The colour of a value as a fraction 0 … 1 of the colour scale. All values of a band have the same colour,
-// so that values can be read off the map.
+// Returns the position of a value's band on the colour scale, 0 … 1. All values of a band get the same
+// colour, so that a reader can match map and scale.
 double BandShare(const HeatScale& scale, double value) {
   const double bands = std::round((scale.max - scale.min) / scale.step);
   const double band = std::clamp(std::floor((value - scale.min) / scale.step), 0.0, bands - 1.0);
@@ -56,7 +56,7 @@ double At(const HeatMap& map, int i, int j) {
 }
 
 // Interpolates linearly between the nodes that have a value; NaN if the nearest node has none.
-// @param u, v  place in units of nodes, from node (0, 0)
+// @param u, v  position in units of nodes, from node (0, 0)
 double Interpolate(const HeatMap& map, double u, double v) {
   const int i = std::min(static_cast<int>(u), map.nx - 2), j = std::min(static_cast<int>(v), map.ny - 2);
   const double s = u - i, t = v - j;
@@ -95,8 +95,9 @@ std::string DrawField(const HeatMap& map, const HeatScale& scale, const PlotArea
       Pixels(area.left), Pixels(area.top), Pixels(area.width), Pixels(area.height), Base64(*png));
 }
 
-// Returns the values less `level`, whose zero lines are the level's contours. A node without a value gets its
-// neighbours' mean, ring by ring, so that the lines reach the edge of the region that has values.
+// Returns the values minus `level`, so that the zero lines are the contours of `level`. A node without a
+// value gets the mean of its neighbours, ring by ring, so that the lines reach the edge of the region that
+// has values.
 PlanarGrid AboveLevel(const HeatMap& map, double level) {
   PlanarGrid grid({0.0, 0.0}, {0.0, 0.0}, 1.0, 0.0F);
   grid.nx = map.nx;
@@ -166,13 +167,14 @@ OccupiedBox NumberBox(const std::string& text, const PlotPoint& at) {
   return {.left = at.x - half, .top = at.y - 8.0, .right = at.x + half, .bottom = at.y + 8.0};
 }
 
-/// Draws the levels' lines, each with its number where there is room. @param taken  numbers are added
+/// Draws the contour lines of all levels, each with its number if there is room. @param taken  the numbers'
+/// boxes are added
 std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   for (const double level : map.contours) {
     std::vector<PlotPoint> longest;
     for (const Polyline& line : Contour(AboveLevel(map, level))) {
-      // the parts of the line where the map has values
+      // split the line into the parts in which the map has values
       std::vector<std::vector<PlotPoint>> pieces(1);
       std::vector<Vector2> points = line.points;
       if (line.closed && !points.empty()) points.push_back(points.front());
@@ -193,7 +195,8 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
       }
     }
     if (longest.size() < 10) continue;  // too short for a number
-    // place the number where the line is most nearly level, away from its ends and from other labels
+    // place the number where the line is nearest to horizontal, away from the line's ends and from other
+    // labels
     const std::string number = Number(level, 0);
     const auto place = [&](std::size_t k) {
       return PlotPoint{std::clamp(longest[k].x, area.left + 18.0, area.left + area.width - 18.0),
@@ -217,7 +220,7 @@ std::string ContourLines(const HeatMap& map, const PlotArea& area, OccupiedBoxes
   return out;
 }
 
-/// Draws the lines that the map was given.
+/// Draws HeatMap's own lines over the map.
 std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
   std::string out;
   for (const MapLine& drawn : map.lines) {
@@ -232,8 +235,8 @@ std::string OverlayLines(const HeatMap& map, const PlotArea& area) {
 }
 
 /// Draws marks, each with its label at the first place beside the mark (right, left, above, below, diagonal)
-/// that is inside the panel and free; without a label if there is no such place. @param taken  marks and
-/// labels are added to it
+/// that is inside the panel and free; a mark for which there is no such place has no label. @param taken
+/// marks and labels are added to it
 std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken) {
   std::string out;
   const auto inside = [&map](const MapMark& mark) {
@@ -250,7 +253,7 @@ std::string Marks(const HeatMap& map, const PlotArea& area, OccupiedBoxes& taken
     const double x = area.X(mark.x), y = area.Y(mark.y);
     out += DrawMarker(x, y, mark.marker, mark.color);
     if (mark.label.empty()) continue;
-    // bold runs about a tenth wider
+    // bold text is about a tenth wider
     const double width = 1.1 * TextWidth(mark.label, kLabelPx);
     for (const auto& [dx, dy] : {std::pair{9.0, 4.0},
                                  {-9.0 - width, 4.0},
@@ -298,7 +301,7 @@ std::string DrawPanel(const HeatMap& map, const HeatScale& scale, const PlotArea
   Ticks x_ticks = LinearTicks(area.x, 6);
   const Ticks y_ticks = LinearTicks(area.y, std::max(3, static_cast<int>(area.height / 45.0)));
   SpreadLabels(area, x_ticks);
-  // ids are unique to this panel: several pictures fit on a page
+  // the panel's ids must be unique, because a page may contain several pictures
   const std::string id = fmt::format(
       "map-{:x}", std::hash<std::string>{}(picture + map.title + Pixels(area.left) + Pixels(area.top)));
   std::string body = SvgText(area.left, area.top - 9.0, Fit(map.title, area.width), "start", kTextColor,
@@ -337,7 +340,7 @@ std::string ViridisBands(double left, double top, double width, double height, i
 
 std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns, const std::vector<HeatScale>& scales,
                        const std::string& title, const std::vector<LegendEntry>& legend, double width_px) {
-  // widths [px]: of the strip at the right for the scale, of that beside each panel for its y axis
+  // widths [px]: strip at the right for the colour scale, strip beside each panel for its y axis, left margin
   constexpr double kScaleStrip = kScaleWidth + 92.0, kAxisStrip = 62.0, kLeft = 4.0;
   const LegendBlock block = DrawLegend(kLeft, 2.0, width_px - 8.0, title, legend);
   const double panel_width = (width_px - kScaleStrip - kLeft - kGap * (columns - 1)) / columns;

@@ -6,7 +6,8 @@
 #include "report/contour.h"
 #include "report/svg_frame.h"
 
-// A field over a plane as bands of colour with contour lines, equal axes, and a scale beside each row.
+// Draws a field over a plane as bands of colour with contour lines. Both axes have the same scale; a colour
+// scale stands beside each row of panels.
 //
 //     title                                     ┌──┐ 400
 //     ┌────────────────┐  ┌────────────────┐    │  │
@@ -32,14 +33,15 @@ struct MapMark {
   std::string label{};
 };
 
-/// One panel. Node (i, j) lies at x.min + i (x.max - x.min) / (nx - 1), likewise y.
+/// One panel. Node (i, j) is at x = x.min + i (x.max - x.min) / (nx - 1), and y with j and ny in the same
+/// way.
 struct HeatMap {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit
-  Range x{}, y{};                    ///< in the same unit: drawn with equal scales
+  Range x{}, y{};                    ///< in the same unit, because both axes are drawn with equal scales
   int nx{0}, ny{0};                  ///< >= 2
-  std::vector<double> values{};      ///< nx times ny values, x runs fastest; NaN: no value, drawn grey
-  std::vector<double> contours{};    ///< levels that get a line with a number
+  std::vector<double> values{};      ///< nx times ny values, row by row along x; NaN: no value, drawn grey
+  std::vector<double> contours{};    ///< levels at which a line with a number is drawn
   std::vector<MapLine> lines{};
   std::vector<MapMark> marks{};
 };
@@ -59,7 +61,7 @@ struct HeatScale {
 [[nodiscard]] std::string ViridisBands(double left, double top, double width, double height, int bands);
 
 /// Draws panels in rows, under one title and one legend, each row with its scale at the right.
-/// @param scales  one per row; the last also serves the remaining rows
+/// @param scales  one per row of panels; the last scale is also used for all further rows
 [[nodiscard]] std::string HeatMapSvg(const std::vector<HeatMap>& panels, int columns,
                                      const std::vector<HeatScale>& scales, const std::string& title,
                                      const std::vector<LegendEntry>& legend, double width_px = 920.0);

@@ -13,7 +13,7 @@ namespace osteon::report {
 namespace {
 
 constexpr const char* kNothing = "#dfe2e6";  // colour of cells without a value
-// Widths [px]: of the colour scale's bar, between panels, of the strip beside each panel for its y axis.
+// Widths [px]: colour scale's bar, gap between panels, strip beside each panel for its y axis.
 constexpr double kScaleWidth = 16.0, kGap = 12.0, kAxisStrip = 100.0;
 
 // Draws each cell in the colour of its band.
@@ -27,7 +27,7 @@ std::string DrawCells(const LevelMap& map, const LevelScale& scale, const PlotAr
       if (!(value >= scale.min)) continue;
       const double bands = (value - scale.min) / (scale.max - scale.min) * scale.bands;
       const int band = std::min(scale.bands - 1, static_cast<int>(bands));
-      // a little larger than the cell, so that there are no seams between neighbours
+      // draw a little more than the cell, so that no seams show between neighbours
       out += SvgRect(area.left + i * width, area.top + area.height - (j + 1) * height, width + 0.4,
                      height + 0.4, BandColor(band, scale.bands));
     }

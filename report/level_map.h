@@ -6,12 +6,12 @@
 #include "report/svg_frame.h"
 #include "report/svg_plot.h"
 
-// A field over two logarithmic axes of different units as coloured cells, with curves on top.
+// Draws a field over two logarithmic axes of different units as coloured cells, with curves on top.
 
 namespace osteon::report {
 
-/// One panel. The cells divide each axis into equal parts of its logarithm. Values come in rows along x, the
-/// lowest y first.
+/// One panel. The cells divide each axis into equal parts of its logarithm. Values are stored in rows along
+/// x; the row with the lowest y comes first.
 struct LevelMap {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit

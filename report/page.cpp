@@ -115,7 +115,7 @@ std::string RepeatSection(const std::string& command_line) {
 std::string PageEnd() { return "</main>\n" + ScriptHtml(kPlotCursorScript) + "</body>\n</html>\n"; }
 
 std::string FileLink(const std::string& file) {
-  // begins with "./", since a browser would take a name with a colon for a protocol
+  // begins with "./", because without it a browser would take a name with a colon for a protocol
   return fmt::format(R"(<a href="./{}">{}</a>)", PercentEncoded(file), Escape(file));
 }
 

@@ -9,8 +9,8 @@
 
 #include "report/png_file.h"
 
-// The parts of every page. A page is one HTML file that opens anywhere, without the network. It contains its
-// scripts; a browser that does not run scripts shows the same facts.
+// The parts of every page. A page is one HTML file, which a browser can open without a network. The file
+// contains its scripts; without scripts it shows the same facts.
 
 namespace osteon::report {
 
@@ -18,7 +18,7 @@ namespace osteon::report {
 struct ReportVerdict {
   std::string level{"good"};  ///< "good", "look" or "bad"
   std::vector<std::string> reasons{};
-  std::string text{};  ///< on the badge; empty: the level
+  std::string text{};  ///< text on the badge; empty: the name of the level
 };
 
 /// A row of the summary: a name, and a value with its unit.
@@ -37,9 +37,9 @@ struct PageHead {
 
 /// Makes the beginning of a page from <!DOCTYPE on: style sheet, title, verdict, summary.
 [[nodiscard]] std::string PageBegin(const PageHead& head);
-/// Makes the end of a page, with the script that moves one cursor over all plots that can zoom.
+/// Makes the end of a page, with the script that moves a common cursor over all plots that can zoom.
 [[nodiscard]] std::string PageEnd();
-/// Makes the section that gives the command which made the page.
+/// Makes the section with the command that made the page.
 [[nodiscard]] std::string RepeatSection(const std::string& command_line);
 /// Makes the markup of a script within the page. @param script  must not contain "</script"
 [[nodiscard]] std::string ScriptHtml(const char* script);
@@ -56,7 +56,7 @@ struct PageHead {
 /// Makes the markup of a picture, which is embedded as PNG. The error is libpng's message.
 [[nodiscard]] tl::expected<std::string, std::string> Picture(const Image& image, const std::string& caption);
 
-/// Writes a page's file, which appears complete or not at all. The error names the file.
+/// Writes a page's file, completely or not at all. The error names the file.
 [[nodiscard]] tl::expected<void, std::string> WritePage(const std::string& html,
                                                         const std::filesystem::path& path);
 

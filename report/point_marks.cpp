@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLabelPx = 11.5;  // font size
 
-// Makes a <path>: filled with a white edge, or only its lines.
+// Makes a <path>. @param filled  true: filled, with a white edge; false: only lines
 std::string Shape(std::string_view path, std::string_view color, double opacity, bool filled) {
   return fmt::format(R"(<path d="{}" fill="{}" stroke="{}" stroke-width="{}" opacity="{:.2f}"/>)"
                      "\n",

@@ -7,29 +7,30 @@
 
 #include "report/svg_frame.h"
 
-// Single points of a plot: draws their markers and finds places for their names.
+// Draws the markers of single points of a plot, and finds places for the points' names.
 
 namespace osteon::report {
 
-/// Draws one marker of about 9 px. Series differ in shape as well as in colour, so that a grey print tells
-/// them apart.
+/// Draws one marker of about 9 px. Series differ in shape as well as in colour, so that they can be told
+/// apart in a grey print.
 [[nodiscard]] std::string DrawMarker(double x, double y, Marker marker, std::string_view color,
                                      double opacity = 1.0);
 
-/// Draws a vertical bar with two short caps, from one pixel row to another.
+/// Draws an error bar: a vertical line with two short caps, from one pixel row to another.
 [[nodiscard]] std::string DrawWhisker(double x, double y_low, double y_high, std::string_view color,
                                       double opacity = 1.0);
 
-/// Finds free places for names beside points: right, left, above, below, then farther out with a thin line.
+/// Finds free places for names beside points. It tries right, left, above and below the point, then places
+/// farther out, with a thin line to the point.
 class LabelPlacer {
  public:
   explicit LabelPlacer(const PlotArea& area) : area_(area) {}
 
-  /// Reserves a rectangle that names must not cover.
+  /// Reserves a rectangle, which no name will cover.
   void Block(double left, double top, double width, double height);
   /// Reserves a line, as a row of small rectangles.
   void BlockLine(double x1, double y1, double x2, double y2);
-  /// Places a name beside the point and reserves its place.
+  /// Places a name beside the point and reserves the area that the name covers.
   /// @param far  allow places farther out, with a line to the point
   /// @returns the markup; empty if no place is free
   [[nodiscard]] std::string Place(double x, double y, std::string_view text, std::string_view color,
@@ -39,7 +40,7 @@ class LabelPlacer {
   struct Box {
     double left, top, right, bottom;
   };
-  // Whether a text may stand in the box: inside the plot's area, and nothing reserved in it.
+  // Whether a name may be drawn in the box: it is inside the plot's area and overlaps nothing reserved.
   [[nodiscard]] bool IsFree(const Box& box) const;
 
   PlotArea area_;

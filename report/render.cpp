@@ -35,7 +35,7 @@ void ForEachRow(int rows, const Draw& draw) {
       16);
 }
 
-/// Rounds to the nearest integer; inline, because std::lround is a function call.
+/// Rounds to the nearest integer. Faster than std::lround, which is a function call.
 int RoundToInt(float value) { return static_cast<int>(value + (value < 0.0f ? -0.5f : 0.5f)); }
 
 /// A plane that approximates the depth around a pixel: z(dx, dy) = z + gx dx + gy dy, with dx, dy in pixels.
@@ -43,16 +43,16 @@ struct LocalPlane {
   float z{DepthBuffer::kNothing}, gx{0.0f}, gy{0.0f};
 };
 
-/// Makes the plane of the surface that is visible at a pixel. A normal that points away from the camera, as
-/// interpolated normals may at an outline, is treated as one at a grazing angle.
+/// Makes the plane of the surface that is visible at a pixel. An interpolated normal may point away from the
+/// camera at an outline; it is then replaced by one at a grazing angle.
 LocalPlane PlaneAt(float z, const Vector3f& normal_G, const Camera& camera, int x, int y) {
-  constexpr float kGrazing = -0.05f;  // cosine between normal and ray, at most
+  constexpr float kGrazing = -0.05f;  // largest cosine between normal and ray
   const auto along = [&](const Vector3& axis) { return normal_G.dot(axis.cast<float>()); };
   const Vector3f n(along(camera.right), along(camera.up), -along(camera.forward));
   const auto f = static_cast<float>(camera.focal_px);
   const Vector3f ray(static_cast<float>((x + 0.5 - camera.center_x_px) / camera.focal_px),
                      static_cast<float>((camera.center_y_px - (y + 0.5)) / camera.focal_px), -1.0f);
-  // n p = const along p = z ray
+  // the plane n·p = const, for points p = z ray
   const float facing = std::min(n.dot(ray), kGrazing * ray.norm());
   return {.z = z, .gx = -z * n.x() / (f * facing), .gy = z * n.y() / (f * facing)};
 }
@@ -70,11 +70,11 @@ Vector3f NormalOf(const LocalPlane& plane, const Camera& camera, int x, int y) {
   return size > 0.0f ? Vector3f(normal / size) : Vector3f::UnitZ();
 }
 
-/// Returns the fraction of the sky that neighbours leave open, 0 … 1: in each direction, the steepest
-/// neighbour above the tangent plane counts. Only the neighbours' depths are read, because their planes as
-/// well would not fit into the cache.
+/// Returns the fraction of the sky that the surface around a pixel leaves open, 0 … 1. In each direction the
+/// steepest neighbour above the tangent plane blocks the sky up to its elevation. Only the depths of the
+/// neighbours are read, because their planes would not fit into the cache as well.
 float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& normal, int x, int y) {
-  // distances at which neighbours are looked up, on the surface
+  // distances of the neighbours from the pixel, on the surface
   constexpr std::array<float, 5> kRadii_m{0.7e-3f, 1.8e-3f, 4e-3f, 8e-3f, 14e-3f};
   constexpr int kDirections = 12;
   static const std::array<Eigen::Vector2f, kDirections> directions = [] {
@@ -97,7 +97,7 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
   const Vector3f p = position(x, y, here);
   float blocked = 0.0f;
   for (const Eigen::Vector2f& direction : directions) {
-    // sine of the elevation up to which the sky is blocked; lower ones are unevenness of the surface's grid
+    // sine of the elevation up to which the sky is blocked; it starts at the unevenness of the surface's grid
     float horizon = 0.06f;
     for (const float radius : kRadii_m) {
       const int u = x + RoundToInt(direction.x() * radius * px_per_m);
@@ -107,10 +107,11 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
       if (there >= DepthBuffer::kNothing) continue;
       const Vector3f to = position(u, v, there) - p;
       const float rise = to.dot(normal), squared = to.squaredNorm();
-      // most neighbours are no higher than the horizon so far: skip the square root
+      // most neighbours are below the present horizon: skip the square root
       if (rise <= 0.0f || rise * rise <= horizon * horizon * squared || squared < 1e-12f) continue;
       const float distance = std::sqrt(squared);
-      // a neighbour much nearer to the viewer than its distance in the picture does not close the sky
+      // if a neighbour is in fact much farther away than its distance in the picture (it is nearer to the
+      // viewer), it blocks less of the sky
       const float fade = std::clamp(2.0f - distance / (2.0f * radius), 0.0f, 1.0f);
       horizon = std::max(horizon, fade * rise / distance);
     }
@@ -122,7 +123,8 @@ float OpenSky(const DepthBuffer& depth, const Camera& camera, const Vector3f& no
 /// Returns the fraction of light that reaches a point, 0 … 1: bone between light and point casts a shadow,
 /// whose edge is softened over neighbouring pixels of the shadow map.
 float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
-  constexpr int kSoft = 3;  // the shadow map's pixels to each side over which the edge is softened
+  // number of the shadow map's pixels, to each side, over which a shadow's edge is softened
+  constexpr int kSoft = 3;
   const Vector3 at = light.Project(p_G);
   const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
   float lit = 0.0f;
@@ -131,8 +133,8 @@ float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
     for (int u = x - kSoft; u <= x + kSoft; ++u) {
       ++count;
       const bool outside = u < 0 || v < 0 || u >= shadow.width || v >= shadow.height;
-      // dark if the first surface seen by the light is 0.9 mm nearer to it than p, lit if at most 0.4 mm
-      // nearer
+      // p is dark if the first surface that the light meets is 0.9 mm nearer to the light than p, and lit if
+      // that surface is at most 0.4 mm nearer
       const double clearance_m = outside ? 1.0 : shadow.At(u, v) - at.z() + 0.9e-3;
       lit += static_cast<float>(std::clamp(clearance_m / 0.5e-3, 0.0, 1.0));
     }
@@ -141,18 +143,19 @@ float Lit(const DepthBuffer& shadow, const Camera& light, const Vector3& p_G) {
 
 // sRGB's transfer curve, approximated by a power of 2.2; components 0 … 1.
 float ToLinear(double srgb) { return static_cast<float>(std::pow(srgb, 2.2)); }
-// The same backwards, as a byte.
+// The inverse of ToLinear, as a byte.
 std::uint8_t ToSrgb(float linear) {
   return static_cast<std::uint8_t>(
       std::lround(255.0f * std::pow(std::clamp(linear, 0.0f, 1.0f), 1.0f / 2.2f)));
 }
 
-/// Colours by material, smoothed over neighbours of about the same depth.
+/// Returns each pixel's colour by material, smoothed over neighbouring pixels of about the same depth.
 Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& materials,
                                const Camera& camera, const DepthBuffer& depth,
                                const Layer<LocalPlane>& planes) {
-  constexpr double kBelow_m = 0.3e-3;  // look up the material a little below the surface, inside the bone
-  constexpr int kReach = 5;            // pixels to each side over which colours are smoothed
+  // the material is looked up this far below the surface, inside the bone
+  constexpr double kBelow_m = 0.3e-3;
+  constexpr int kReach = 5;  // pixels to each side over which colours are smoothed
   std::array<Vector3f, 256> table;
   for (std::size_t i = 0; i < table.size(); ++i) {
     const Vector3 color = MaterialColor(bone, static_cast<simulation::MaterialIndex>(i));
@@ -178,7 +181,7 @@ Layer<Vector3f> MaterialColors(const simulation::Bone& bone, const MaterialMap& 
       Vector4f sum = Vector4f::Zero();
       for (int v = std::max(y - kReach, 0); v <= std::min(y + kReach, planes.height - 1); ++v)
         for (int u = left; u <= right; ++u) {
-          if (std::abs(depth.At(u, v) - z) > 1.5e-3f) continue;  // another surface
+          if (std::abs(depth.At(u, v) - z) > 1.5e-3f) continue;  // the neighbour belongs to another surface
           const auto weight =
               static_cast<float>((kReach + 1 - std::abs(u - x)) * (kReach + 1 - std::abs(v - y)));
           sum += weight * raw(u, v);
@@ -205,7 +208,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
   Camera camera =
       LookAt(center + 5.0 * reach_m * towards.normalized(), center, axis, 1.0, params.width, params.height);
 
-  // focal length and centre: the surroundings of the cup fill the picture up to a margin
+  // choose focal length and centre so that the surroundings of the cup fill the picture up to a margin
   Vector3 low = Vector3::Constant(1e9), high = -low;
   for (const Ball& ball : bone.balls) {
     const Vector3 c = ball.center_m;
@@ -232,7 +235,7 @@ Camera CupCamera(const simulation::Bone& bone, const RenderParams& params) {
 
 Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const MaterialMap& materials,
                  const Camera& camera) {
-  constexpr int kFine = 2;  // depth samples per pixel in each direction, for smooth outlines
+  constexpr int kFine = 2;  // number of depth samples per pixel in each direction, for smooth outlines
   std::vector<Vector3f> normals;
   const DepthBuffer depth = RenderDepth(mesh, camera, &normals),
                     fine = RenderDepth(mesh, camera.Scaled(kFine));
@@ -264,8 +267,8 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
       const Vector3 p_G = camera.eye + planes(x, y).z * camera.Ray(x + 0.5, y + 0.5);
       const float towards = n.dot(key);
       const float direct = towards > 0.0f ? towards * Lit(shadow, light, p_G) : 0.0f;
-      // the directional light with its gloss (Blinn's half vector), and light from all around, from above and
-      // from the viewer, which the bone around the place dims
+      // light from the key direction, with gloss (Blinn's half vector); and ambient light from all around,
+      // from above and from the viewer, dimmed by the surrounding bone (sky)
       const float fill = 0.5f + 0.5f * n.y();
       const Vector3f half = (key + Vector3f::UnitZ()).normalized();
       const float gloss =
@@ -275,7 +278,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
     }
   });
 
-  // each fine sample takes the colour of the neighbouring pixel that is nearest to it in depth
+  // each fine depth sample gets the colour of that neighbouring pixel whose depth is nearest
   Image image{.width = camera.width, .height = camera.height};
   image.rgb.resize(3 * static_cast<std::size_t>(camera.width) * camera.height);
   ForEachRow(camera.height, [&](int y) {
@@ -288,7 +291,7 @@ Image RenderBone(const simulation::Bone& bone, const BoneMesh& mesh, const Mater
           float nearest_m = DepthBuffer::kNothing;
           for (int v = std::max(y - 1, 0); v <= std::min(y + 1, camera.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 1, camera.width - 1); ++u) {
-              // the pixel itself is preferred among neighbours on the same surface
+              // prefer the pixel itself to its neighbours on the same surface
               const float distance_m = std::abs(depth.At(u, v) - z) + (u == x && v == y ? 0.0f : 0.5e-3f);
               if (depth.Seen(u, v) && distance_m < nearest_m) {
                 nearest_m = distance_m;

@@ -16,8 +16,8 @@
 namespace osteon::report {
 namespace {
 
-// Limit for the surfaces of which the pictures are made. They are not in the page, so the grid can be as fine
-// as the tool's own, except for the largest bones.
+// Most quads of the surfaces from which the pictures are made. These surfaces are not stored in the page, so
+// the grid can be as fine as that for the tool, except for the largest bones.
 constexpr std::size_t kMaxPictureQuads = 2'000'000;
 
 std::string FaultsHtml(const ReportInput& input) {
@@ -32,7 +32,7 @@ std::string FaultsHtml(const ReportInput& input) {
   return out + "</table>\n";
 }
 
-/// Makes a table of the limits that acted, the one that acted longest first.
+/// Makes a table of the limits that acted; the limit with the longest total time comes first.
 std::string LimitsHtml(std::vector<LimitRow> limits) {
   if (limits.empty()) return {};
   std::stable_sort(limits.begin(), limits.end(),
@@ -75,7 +75,7 @@ std::string ErrorTable(const ReportFigures& figures, bool planned) {
 std::string ErrorChart(const Section& section) {
   Series series{.color = "#0072b2", .width_px = 1.1};
   for (const ErrorSample& sample : section.samples) {
-    // a stretch of more than 2° that was not cut interrupts the line
+    // the line is interrupted over an uncut range of more than 2°
     const double angle_deg = sample.angle_rad * 180.0 / std::numbers::pi;
     if (!series.x.empty() && angle_deg - series.x.back() > 2.0) {
       series.x.push_back(angle_deg);
@@ -89,10 +89,10 @@ std::string ErrorChart(const Section& section) {
                   .y_label = "error [mm]",
                   .series = {std::move(series)},
                   .plot_height_px = 150.0};
-  // At the rim whole balls are removed, which gives an error of the balls' size. Such a peak must not make
-  // the rest of the curve flat.
+  // At the rim whole balls are removed, so the error there has the size of a ball. The axis is cut off below
+  // such a peak, so that the rest of the curve can be read.
   const CavityError& error = section.error;
-  const double shown_m = 4.0 * error.p95_m;  // largest error that the axis shows then
+  const double shown_m = 4.0 * error.p95_m;  // largest error that the axis shows if it is cut off
   if (shown_m > 0.0 && std::max(error.max_over_m, -error.max_under_m) > 1.5 * shown_m) {
     chart.y = NiceRange({1e3 * std::max(-shown_m, std::min(error.max_under_m, 0.0)),
                          1e3 * std::min(shown_m, error.max_over_m)},
@@ -103,7 +103,7 @@ std::string ErrorChart(const Section& section) {
   return Svg(chart);
 }
 
-/// Makes the histograms of tick and frame times, or says that virtual time has none.
+/// Makes the histograms of tick and frame times; in virtual time, a note that there are none.
 std::string TimingHtml(const ReportInput& input) {
   const std::string wakeup = WakeupHistogram(input.run), compute = ComputeHistogram(input.run);
   const std::string frame = FrameTimeHistogram(input.run);
@@ -134,7 +134,7 @@ std::string AssumptionsHtml(const ReportInput& input) {
 tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   Report report;
 
-  // pictures
+  // make the pictures
   const MaterialMap materials(input.bone.points, input.solid);
   const Camera camera = CupCamera(input.bone, input.pictures);
   std::vector<simulation::ToolPath> paths = input.earlier;
@@ -147,7 +147,7 @@ tl::expected<Report, std::string> MakeReport(const ReportInput& input) {
   const auto after = Picture(RenderBone(input.bone, meshes.after, materials, camera), "After");
   if (!after) return tl::unexpected(after.error());
 
-  // section
+  // make the section
   const SectionParams params{.solid = input.solid, .earlier = input.earlier};
   const Section section = ComputeSection(input.bone, input.after, input.tool, input.X_GP, params);
   report.figures.cavity_section = section.error;

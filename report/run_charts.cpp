@@ -15,7 +15,7 @@ namespace {
 
 using control::Phase;
 
-/// Names the parts of the run in which the loop did not render.
+/// Returns the parts of the run in which the loop did not render, with names.
 std::vector<NamedSpan> PhaseSpans(const RunCurves& run, const TimeAxis& time) {
   std::vector<NamedSpan> spans;
   for (const PhaseStretch& stretch : run.phases) {
@@ -47,7 +47,7 @@ Series WithPoints(Series series, const ThinCurve& curve, const TimeAxis& time) {
   return series;
 }
 
-/// The vertical line at time 0 with the axis's mark; none if the mark is empty.
+/// Returns the vertical line at time 0, labelled with the axis's mark; none if the mark is empty.
 std::vector<LimitLine> MarkAtZero(const TimeAxis& time) {
   return time.mark.empty() ? std::vector<LimitLine>{} : std::vector<LimitLine>{{0.0, time.mark}};
 }
@@ -84,7 +84,7 @@ std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxi
       .plot_height_px = 270.0};
   if (!run.wrench_cut) return Svg(chart);
 
-  // the part of the wrench that limits withheld from the hand
+  // how far limits reduced the rendered wrench
   LineChart shares{
       .title = "Share of the coupling's wrench",
       .x_label = time.label,

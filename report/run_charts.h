@@ -6,26 +6,26 @@
 #include "report/run_curves.h"
 #include "report/time_axis.h"
 
-// The plots of a run, as SVG. Without a given axis, time counts from the first tick, or from the first frame
-// if there is no tick.
+// The plots of a run, as SVG. Functions without a TimeAxis use FromFirst.
 
 namespace osteon::report {
 
 /// A time axis from the first tick on, or from the first frame if there is no tick.
 [[nodiscard]] inline TimeAxis FromFirst(const RunCurves& run) { return {.zero = run.Start()}; }
 
-/// Plots the sizes of the rendered coupling force and of the hand's force, and the coupling force along the
-/// tool, with the limit.
+/// Plots the magnitudes of the rendered coupling force and of the hand's force, the component of the coupling
+/// force along the tool's axis, and the force limit.
 [[nodiscard]] std::string ForceChart(const RunCurves& run, double force_limit_N, const TimeAxis& time);
 [[nodiscard]] inline std::string ForceChart(const RunCurves& run, double force_limit_N) {
   return ForceChart(run, force_limit_N, FromFirst(run));
 }
 
-/// Plots the deepest apex and the removed volume, one above the other.
+/// Plots the depth of the apex and the removed volume, one above the other.
 [[nodiscard]] std::string ProgressChart(const RunCurves& run);
 
 /// Plots tool speed, the tool's distance beyond its collision-free pose, and the contact model's age, one
-/// above the other; without a limit line if the speed limit is 0 or the other limit is infinite.
+/// above the other; A plot has no limit line if the speed limit is 0, or if the limit of the distance is
+/// infinite.
 [[nodiscard]] std::string MotionChart(const RunCurves& run, double speed_limit_m_per_s,
                                       double max_tool_in_bone_m, const TimeAxis& time);
 [[nodiscard]] inline std::string MotionChart(
@@ -34,11 +34,11 @@ namespace osteon::report {
   return MotionChart(run, speed_limit_m_per_s, max_tool_in_bone_m, FromFirst(run));
 }
 
-/// Plots how far the tool bends, its surface layer gives way and the bone moves on its mount, one above the
-/// other; a part that never moved has no plot. Empty text: nothing moved.
+/// Plots the bending of the tool, the compression of the tissue layer and the displacement of the bone on its
+/// mount, one above the other. A part that never moved has no plot. Returns an empty text if nothing moved.
 [[nodiscard]] std::string ComplianceChart(const RunCurves& run);
 
-/// Histograms; empty text if nothing was measured (virtual time).
+/// Plots histograms; returns an empty text if nothing was measured (virtual time).
 [[nodiscard]] std::string WakeupHistogram(const RunCurves& run);
 [[nodiscard]] std::string ComputeHistogram(const RunCurves& run);
 [[nodiscard]] std::string FrameTimeHistogram(const RunCurves& run);

@@ -19,7 +19,8 @@ void RunCurves::Add(const control::TickRecord& tick) {
   if (phases.empty() || phases.back().phase != tick.phase || phases.back().paused != paused)
     phases.push_back({.phase = tick.phase, .paused = paused, .begin = tick.stamp, .end = tick.stamp});
 
-  // in a tick without a message of the arm nothing is computed or sent: the record's zeros are no forces
+  // in a tick without a message of the arm nothing is computed or sent, so the zeros in the record are not
+  // forces
   const bool computed = tick.phase == control::Phase::kWaiting || control::HasMessage(tick);
   const Wrench F_T_W = tick.F_coupling_T_W;
   const Vector3 feed_W = Pose(tick.X_WT_cmd).linear().col(2);
@@ -31,7 +32,7 @@ void RunCurves::Add(const control::TickRecord& tick) {
   wrench_cut |= tick.wrench_scale < 1.0;
   speed_mm_per_s.Add(tick.stamp, 1e3 * Vector3(tick.v_WT_cmd_m_per_s).norm());
   in_bone_mm.Add(tick.stamp, control::HasMessage(tick) ? 1e3 * tick.tool_in_bone_m : kMissing);
-  // before the first frame there is no model, so no age
+  // before the first frame there is no model, and therefore no age
   model_age_ms.Add(tick.stamp, tick.model_frame == 0 ? kMissing : 1e3 * tick.model_age_s);
   if (depth_of) {
     const bool in_bone = control::HasMessage(tick) && tick.tool_in_bone_m > 0.0;
@@ -57,7 +58,7 @@ void RunCurves::AddCompliance(const control::TickRecord& tick) {
 
 void RunCurves::Add(const simulation::FrameRecord& record) {
   if (!first_frame) first_frame = record.stamp;
-  // the approach is not part of the cut: count from the first touch
+  // the approach is not part of the cut: draw the depth from the first touch on
   touched = touched || Wrench(record.model.F_T_W).f.norm() > 0.0 || record.model.removed_volume_m3 > 0.0;
   depth_mm.Add(record.stamp, touched ? 1e3 * record.cup_depth_m : kMissing);
   volume_mm3.Add(record.stamp, 1e9 * record.model.removed_volume_m3);

@@ -11,11 +11,11 @@ namespace {
 using simulation::Ball;
 using simulation::Bone;
 
-/// Samples the signed distance to the circles in which the plane cuts the balls, up to two steps outside;
-/// accurate near zero.
+/// Samples the signed distance to the union of the circles in which the plane cuts the balls. Values farther
+/// outside than two grid steps are cut off; the distance is accurate near zero.
 PlanarGrid SliceField(const std::vector<Ball>& balls, const SectionPlane& plane, const Vector2& min,
                       const Vector2& max, double step_m) {
-  const double far_m = 2.0 * step_m;  // the value of nodes that no circle is near to
+  const double far_m = 2.0 * step_m;  // value of nodes that are not near any circle
   PlanarGrid grid(min, max, step_m, static_cast<float>(far_m));
   const Vector3 normal = plane.u.cross(plane.v);
   for (const Ball& ball : balls) {
@@ -39,8 +39,9 @@ PlanarGrid SliceField(const std::vector<Ball>& balls, const SectionPlane& plane,
   return grid;
 }
 
-/// Samples the signed distance to the swept tool. The distance is 1-Lipschitz, so a block whose centre is
-/// farther from the surface than its corners are from the centre needs one evaluation.
+/// Samples the signed distance to the swept tool. The distance changes by at most the length of a
+/// displacement. So a block of nodes needs only one evaluation if its centre is farther from the surface than
+/// from its corners.
 PlanarGrid SweptField(const SweptTool& swept, const SectionPlane& plane, const Vector2& min,
                       const Vector2& max, double step_m) {
   constexpr int kBlock = 8;
@@ -93,8 +94,8 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
           if (material >= 0)
             share[material][static_cast<std::size_t>(j) * shape.nx + i] += static_cast<float>(weight);
         }
-  // a material lies where its fraction is max_material; regions extend a little, so that neighbours leave no
-  // seam
+  // a node belongs to the material with the largest fraction around it; regions overlap a little, so that no
+  // seam shows between them
   constexpr float kOverlap = 1.0f;  // in units of the weights above
   for (int material = 0; material <= max_material; ++material) {
     PlanarGrid field(min, max, step_m, 1.0f);
@@ -113,7 +114,7 @@ std::vector<MaterialRegion> MaterialRegions(const Bone& bone, const SectionPlane
   return regions;
 }
 
-/// The head's centre where it was deepest in the cup, in G.
+/// Returns the deepest position of the head's centre in the cup, in G.
 Vector3 DeepestHead(const Bone& bone, const simulation::ToolBall& head, std::span<const Pose> X_GP) {
   const Vector3 axis = bone.site.axis, center = bone.site.center_m;
   Vector3 deepest = X_GP.front() * Vector3(head.center_m);
@@ -124,13 +125,14 @@ Vector3 DeepestHead(const Bone& bone, const simulation::ToolBall& head, std::spa
   return deepest;
 }
 
-/// Samples the middles of those pieces of `lines` that the cut has exposed: they lay in the bone before, and
-/// are visible from the swept volume. (A ball that is cut may extend to another face of the bone, which then
-/// moves as well; that face is not the cavity's surface.)
+/// Samples the middles of those pieces of `lines` that the cut has exposed: a middle must have been inside
+/// the bone before, and must be visible from the swept volume. (A cut ball may also form another face of the
+/// bone, which then moves too; that face is not part of the cavity and is not visible from the swept volume.)
 std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, const SectionPlane& plane,
                                         const BallField& before, const BallField& left,
                                         const SweptTool& swept, const Vector2& head, double cut_depth_m) {
-  // The ray starts this far off the outline: the outline's chords lie some micrometres inside their own ball.
+  // The ray starts this far from the outline, because a chord of the outline lies some micrometres inside its
+  // own ball.
   constexpr double kClear_m = 20e-6;
   std::vector<ErrorSample> samples;
   for (const Polyline& line : lines) {
@@ -156,7 +158,7 @@ std::vector<ErrorSample> MeasureOutline(const std::vector<Polyline>& lines, cons
   return samples;
 }
 
-/// Simplify for each of the lines.
+/// Simplifies each of the lines.
 std::vector<Polyline> SimplifyAll(const std::vector<Polyline>& lines, double tolerance_m) {
   std::vector<Polyline> out;
   for (const Polyline& line : lines) out.push_back(Simplify(line, tolerance_m));
@@ -210,11 +212,11 @@ SectionPlane ChooseSectionPlane(const Bone& bone, const simulation::Tool& tool, 
     for (const Pose& X : X_GP) {
       const Vector3 from = X * Vector3(head->center_m) - plane.origin;
       const Vector3 off = from - from.dot(plane.v) * plane.v;
-      // only while it is in the cup: the approach is not part of the cut
+      // only positions in the cup: the approach is not part of the cut
       if (from.dot(plane.v) < head->radius_m && off.norm() > farthest.norm()) farthest = off;
     }
   }
-  constexpr double kNoticeable_m = 0.2e-3;  // a path nearer to the axis does not choose the plane
+  constexpr double kNoticeable_m = 0.2e-3;  // if the path stays nearer to the axis, any plane is chosen
   if (farthest.norm() < kNoticeable_m) {
     const Vector3 other = std::abs(plane.v.x()) < 0.9 ? Vector3::UnitX() : Vector3::UnitY();
     farthest = other - other.dot(plane.v) * plane.v;
@@ -230,7 +232,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   const SectionPlane& plane = section.plane;
   const BallField before(bone.balls), left(CarvedBalls(bone, after));
 
-  // the window: the bone's slice, but not farther than the reach around the cup
+  // the window contains the bone's slice, limited to SiteReach around the cup
   const double reach_m = SiteReach(bone, params.reach_in_cup_radii);
   Vector2 low = Vector2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Ball& ball : before.balls()) {
@@ -255,7 +257,7 @@ Section ComputeSection(const Bone& bone, const simulation::CarvedState& after, c
   section.min = section.min.cwiseMin(Vector2::Constant(-params.margin_m));
   section.max = section.max.cwiseMax(Vector2::Constant(params.margin_m));
 
-  // outlines stay open at the window's border: the picture ends there, not the bone
+  // outlines are left open at the window's border, because the bone continues beyond it
   const double tolerance_m = 0.04 * params.step_m;
   PlanarGrid field = SliceField(before.balls(), plane, section.min, section.max, params.step_m);
   section.before = SimplifyAll(Contour(field), tolerance_m);
@@ -294,7 +296,8 @@ CavityError CavityErrorByDirection(const Bone& bone, const simulation::CarvedSta
     const double down = (i + 0.5) / params.directions, turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0));
     const double across = std::sqrt(1.0 - down * down);
     const Vector3 d = across * (std::cos(turn) * plane.u + std::sin(turn) * w) - down * plane.v;
-    // end of the swept volume: the distance is 1-Lipschitz, so a step of its size stays inside
+    // find the end of the swept volume along d: a step as long as the distance to the surface cannot leave
+    // the volume
     double end_m = 0.0;
     for (int step = 0; step < 10'000; ++step) {
       const double inside_m = -swept.SignedDistance(origin + end_m * d);

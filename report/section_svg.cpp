@@ -12,7 +12,7 @@
 namespace osteon::report {
 namespace {
 
-constexpr const char* kBoneTint = "#efe6da";  // of bone whose material is not known
+constexpr const char* kBoneTint = "#efe6da";  // colour of bone with unknown material
 
 /// Makes the data of a <path> from lines in metres; the area's axes are in millimetres.
 std::string PathData(const std::vector<Polyline>& lines, const PlotArea& area) {
@@ -65,7 +65,7 @@ std::vector<LegendEntry> Legend(const Section& section, const simulation::Bone& 
 /// Draws the part of a section that is in the window.
 std::string DrawWindow(const Section& section, const simulation::Bone& bone, const Window& window,
                        double width_px) {
-  // equal axes: the height follows from the width
+  // both axes have the same scale, so the height follows from the width
   PlotArea area{.x = {1e3 * window.min.x(), 1e3 * window.max.x()},
                 .y = {1e3 * window.min.y(), 1e3 * window.max.y()}};
   const double extent_x = area.x.max - area.x.min, extent_y = area.y.max - area.y.min;
@@ -81,7 +81,7 @@ std::string DrawWindow(const Section& section, const simulation::Bone& bone, con
 
   // the remaining bone, coloured by material inside its outline
   const std::string solid = PathData(section.solid, area);
-  // a hash of the drawing makes the ids of its clip paths unique: several drawings may stand in one page
+  // ids of clip paths must be unique in a page with several drawings, so make them from a hash of the drawing
   const std::string id = fmt::format("section-{:x}", std::hash<std::string>{}(solid + Pixels(area.x.min)));
   body += fmt::format("<clipPath id=\"{}-window\">{}</clipPath>\n", id,
                       SvgRect(area.left, area.top, area.width, area.height, "#000000"));
@@ -123,7 +123,7 @@ std::string SectionSvg(const Section& section, const simulation::Bone& bone, dou
 
 std::string SectionDetailSvg(const Section& section, const simulation::Bone& bone, double width_px) {
   if (!(section.head_radius_m > 0.0)) return {};
-  // the centre is the place of the head's apex or, if the apex was in the air, the middle of the cut
+  // centre of the detail: the head's apex or, if the apex cut nothing, the middle of the cut outline
   if (section.samples.empty()) return {};
   constexpr double kUnderTheApex_rad = 0.08;  // a sample at most this far from the axis was cut by the apex
   const bool at_apex =

@@ -12,8 +12,8 @@
 namespace osteon::report {
 namespace {
 
-/// The place of a value in a range, 0 at its min and 1 at its max. On a logarithmic axis, values below a
-/// thousandth of min, also 0 and negative ones, count as that.
+/// Returns the position of a value in a range, 0 at min and 1 at max. On a logarithmic axis, values below a
+/// thousandth of min, including 0 and negative values, are treated as a thousandth of min.
 double Share(double value, Range range, bool log) {
   if (log) {
     const double floor_value = std::max(value, range.min * 1e-3);
@@ -121,7 +121,7 @@ double WidestLabel(const Ticks& ticks) {
 }
 
 void SpreadLabels(const PlotArea& area, Ticks& x) {
-  double free_from = -1e9;  // x after the last label that stays [px]
+  double free_from = -1e9;  // x at the end of the last label that was kept [px]
   for (std::size_t i = 0; i < x.at.size(); ++i) {
     if (x.labels[i].empty()) continue;
     const double half = TextWidth(x.labels[i], kFontPx) / 2;
@@ -139,7 +139,7 @@ LegendBlock DrawLegend(double x, double y, double width_px, std::string_view tit
   LegendBlock block;
   double cursor = x, baseline = y + 15.0;
   if (!title.empty()) {
-    // bold runs about a tenth wider than the estimate's regular weight
+    // the width estimate is for regular text; bold text is about a tenth wider
     const std::vector<std::string> lines = Wrap(title, width_px / 1.1, kTitlePx);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       if (i > 0) baseline += kLegendRowPx;
@@ -189,7 +189,7 @@ std::string Fit(std::string_view text, double width_px, double size_px) {
   if (TextWidth(text, size_px) <= width_px) return std::string(text);
   std::string cut(text);
   while (!cut.empty() && TextWidth(cut, size_px) + size_px > width_px) {
-    // whole characters: drop the tail bytes of a UTF-8 sequence with its first byte
+    // remove whole characters: all tail bytes of a UTF-8 sequence together with its first byte
     while (!cut.empty() && base::IsTailByte(cut.back())) cut.pop_back();
     if (!cut.empty()) cut.pop_back();
   }

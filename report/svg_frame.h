@@ -12,7 +12,7 @@ namespace osteon::report {
 
 inline constexpr double kFontPx = 12.5;       ///< font size of texts
 inline constexpr double kTitlePx = 14.5;      ///< font size of titles
-inline constexpr double kLegendRowPx = 20.0;  ///< from one row of a legend to the next
+inline constexpr double kLegendRowPx = 20.0;  ///< distance from one row of a legend to the next
 /// Height of the strip above a plot that names its shaded spans of x; also the width of a turned axis label.
 inline constexpr double kLabelStripPx = 19.0;
 
@@ -20,7 +20,7 @@ inline constexpr double kLabelStripPx = 19.0;
 [[nodiscard]] std::string SvgText(double x, double y, std::string_view text,
                                   std::string_view anchor = "start", std::string_view color = "#1b1f24",
                                   double size_px = kFontPx, std::string_view extra = {});
-/// Makes the same, turned so that it runs upward from (x, y).
+/// Makes a <text> element that is turned by 90° and runs upward from (x, y).
 [[nodiscard]] std::string SvgTurnedText(double x, double y, std::string_view text, std::string_view anchor,
                                         std::string_view color, double size_px = kFontPx);
 [[nodiscard]] std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view color,
@@ -37,7 +37,7 @@ struct PlotArea {
   Range x{}, y{};
   bool log_x{false}, log_y{false};
 
-  /// The place of a value on the axis [px].
+  /// Returns the pixel coordinate of a value on the axis.
   [[nodiscard]] double X(double value) const;
   [[nodiscard]] double Y(double value) const;
 };
@@ -50,12 +50,13 @@ struct PlotArea {
 /// y label, or of its last line if it wraps (AxisLabelLines)
 [[nodiscard]] std::string DrawAxisLabels(const PlotArea& area, std::string_view x_label, double x_label_y,
                                          std::string_view y_label, double y_label_x);
-/// Wraps a y label for an area of that height.
+/// Wraps a y label into lines that fit an area of this height.
 [[nodiscard]] std::vector<std::string> AxisLabelLines(std::string_view y_label, double height_px);
-inline constexpr double kLabelLinePx = 15.0;  ///< from one line of a wrapped text to the next
+inline constexpr double kLabelLinePx = 15.0;  ///< distance from one line of a wrapped text to the next
 /// Width of the widest of the labels [px].
 [[nodiscard]] double WidestLabel(const Ticks& ticks);
-/// Drops labels (not marks) of x ticks that would come closer than a digit to their neighbour.
+/// Removes the labels of x ticks that would be closer than a digit's width to the label before; the tick
+/// marks stay.
 void SpreadLabels(const PlotArea& area, Ticks& x);
 
 /// The shape of a single point (point_marks.h).
@@ -67,10 +68,10 @@ struct LegendEntry {
   std::string text{};
   std::string color{};
   Mark mark{Mark::kLine};
-  Marker marker{Marker::kNone};  ///< over the line
+  Marker marker{Marker::kNone};  ///< drawn on top of the line
 };
 
-/// Drawn elements and the height that they take.
+/// SVG elements and the height that they occupy.
 struct LegendBlock {
   std::string svg{};
   double height_px{0.0};

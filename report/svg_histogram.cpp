@@ -30,7 +30,7 @@ std::vector<CountedValue> SortedCounts(const Histogram& histogram) {
   return counted;
 }
 
-/// Returns the p quantile, as base::Percentile does; `values` must not be empty.
+/// Returns the p quantile by the same rule as base::Percentile. `values` must not be empty.
 double PercentileOf(const std::vector<CountedValue>& values, double p) {
   std::uint64_t total = 0, before = 0;
   for (const CountedValue& each : values) total += each.times;
@@ -60,7 +60,7 @@ std::string Svg(const Histogram& histogram, double width_px) {
   }
   const int bins = std::max(1, histogram.bins);
   std::vector<std::uint64_t> counts(static_cast<std::size_t>(bins), 0);
-  // maps a value to its bin: an area with one pixel for each bin
+  // maps a value to its bin: a plot area whose width is one pixel per bin
   const PlotArea bin_axis{.width = static_cast<double>(bins), .x = area.x, .log_x = log_x};
   for (const auto& [value, times] : values) {
     const double at = log_x && !(value > 0.0) ? 0.0 : bin_axis.X(value);

@@ -13,7 +13,8 @@
 namespace osteon::report {
 namespace {
 
-/// Number of columns per pixel in which the curves of a plot that can zoom keep their points.
+/// In a plot that can zoom, curves are thinned in this many columns per pixel, so that they have enough
+/// points when enlarged.
 constexpr int kZoomDetail = 4;
 
 /// The range of the finite values that were added.
@@ -34,7 +35,8 @@ Range LogRange(const Extent& extent) {
   return {extent.min / kMargin, extent.max * kMargin};
 }
 
-/// Returns the x range of all panels: the first that a panel gives, else that of all their data.
+/// Returns the common x range of all panels: the range of the first panel that gives one, else the range of
+/// all data.
 Range CommonXRange(std::span<const LineChart> panels) {
   Extent extent;
   for (const LineChart& panel : panels) {
@@ -47,14 +49,14 @@ Range CommonXRange(std::span<const LineChart> panels) {
   if (!panels.empty() && panels.front().log_x) return LogRange(extent);
   if (!extent.Any()) return {0.0, 1.0};
   if (!(extent.max > extent.min)) return NiceRange({extent.min, extent.max}, 5);
-  // extend the range to a tick mark that is close: the axis of a run of 9.999 s ends at 10 s
+  // extend the range to the next tick mark if it is close, so that the axis of a run of 9.999 s ends at 10 s
   const Range nice = NiceRange({extent.min, extent.max}, 10);
   const double near = 0.01 * (extent.max - extent.min);
   return {extent.min - nice.min < near ? nice.min : extent.min,
           nice.max - extent.max < near ? nice.max : extent.max};
 }
 
-/// Returns the y range: the panel's own, or that of the data, extended to tick marks.
+/// Returns the y range: the range that the panel gives, or else that of its data, extended to tick marks.
 Range YRange(const LineChart& panel, int max_ticks) {
   if (panel.y) return *panel.y;
   Extent extent;
@@ -76,7 +78,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
   std::string path;
   bool any = false;
   const int columns = std::max(1, static_cast<int>(area.width)) * (zooms ? kZoomDetail : 1);
-  // thin the points by columns of pixels, which a logarithmic axis spaces evenly in the logarithm
+  // thin the points by columns of pixels; on a logarithmic axis these are evenly spaced in log x
   std::vector<double> at = series.x;
   Range range = area.x;
   if (area.log_x) {
@@ -95,7 +97,7 @@ std::string DrawSeries(const PlotArea& area, const Series& series, const std::st
       command = 'L';
       any = true;
     }
-    if (run.size() == 1) path += "h0.1";  // a lone point is a dot
+    if (run.size() == 1) path += "h0.1";  // draw a single point as a dot
   }
   if (!any) return {};
   return fmt::format(R"(<path d="{}" fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" )"
@@ -113,9 +115,10 @@ bool IsDrawable(const PlotArea& area, double x, double y) {
   return within(x, area.x) && within(y, area.y) && (!area.log_x || x > 0.0) && (!area.log_y || y > 0.0);
 }
 
-/// Draws error bars and markers of every series, the pale ones first, then the names for which there is room.
+/// Draws error bars and markers of all series, pale series first, then the points' names for which there is
+/// room.
 std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::vector<std::string>& colors) {
-  constexpr std::size_t kMaxPoints = 500;  // points of a series whose line the names avoid
+  constexpr std::size_t kMaxPoints = 500;  // names avoid the lines of series with at most this many points
   std::string out;
   if (std::ranges::none_of(panel.series, [](const Series& series) { return series.marker != Marker::kNone; }))
     return out;
@@ -162,7 +165,7 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   for_each_point([&](const Series& series, std::size_t s, std::size_t, double x, double y) {
     out += DrawMarker(x, y, series.marker, colors[s], series.opacity);
   });
-  std::reverse(order.begin(), order.end());  // names of the most opaque points first
+  std::reverse(order.begin(), order.end());  // place the names of the most opaque series first
   for_each_point([&](const Series& series, std::size_t s, std::size_t i, double x, double y) {
     if (i < series.labels.size() && !series.labels[i].empty())
       out += labels.Place(x, y, series.labels[i], colors[s], series.opacity >= 1.0);
@@ -170,8 +173,8 @@ std::string DrawPoints(const PlotArea& area, const LineChart& panel, const std::
   return out;
 }
 
-/// Finds where the name of a vertical line at `x` begins (it runs upward): the lowest place where no curve
-/// and no limit crosses it; at the bottom if there is none.
+/// Finds where the name of a vertical line at `x` begins; the name runs upward from there. Returns the lowest
+/// position at which no curve and no limit line crosses the name, or the bottom if there is none.
 double FindNameStart(const PlotArea& area, const LineChart& panel, double x, double length_px) {
   std::vector<PlotPoint> taken;  // points of curves and limits near x, every few pixels
   const double left = x - kFontPx - 7.0;
@@ -198,7 +201,7 @@ double FindNameStart(const PlotArea& area, const LineChart& panel, double x, dou
   return bottom;
 }
 
-/// Lines and names of the vertical limits.
+/// SVG of the vertical limits: the lines, and the names.
 struct XLimits {
   std::string lines, names;
 };
@@ -223,7 +226,7 @@ std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
     return !(limit.value >= area.y.min && limit.value <= area.y.max);
   });
   std::sort(limits.begin(), limits.end(), [](const auto& a, const auto& b) { return a.value > b.value; });
-  double free_from = -1e9;  // first baseline below the last name [px]
+  double free_from = -1e9;  // lowest position that the last name occupies; the next name begins below it [px]
   for (const LimitLine& limit : limits) {
     const double y = area.Y(limit.value), right = area.left + area.width;
     out += SvgLine(area.left, y, right, y, kLimitColor, 1.4, "7 4");
@@ -234,20 +237,21 @@ std::string DrawLimits(const PlotArea& area, std::vector<LimitLine> limits) {
   return out;
 }
 
-/// The layout of a panel, which is known before it is drawn.
+/// The layout of a panel, computed before anything is drawn.
 struct PanelPlan {
   PlotArea area;
   Ticks y_ticks;
   std::vector<LegendEntry> legend;
   std::vector<std::string> colors;
-  bool strip{false};  ///< at least one span is wide enough for its name
-  bool data{false};   ///< a series has a finite point
+  bool strip{false};  ///< the panel has a strip for span names, because at least one span is wide enough for
+                      ///< its name
+  bool data{false};   ///< at least one series has a finite point
 };
 
 // A panel that the page's script (scripts/plot_cursor.js) can zoom is <g class="panel"> with the pixels of
-// its area and the values at its edges. Its curves are in an <svg class="data"> of their own, which clips
-// them. To zoom, the script changes the viewBox of this <svg>, makes new lines of .x-grid and new texts of
-// .x-texts, and hides .x-names.
+// its area and the values at its edges. Its curves are in a separate <svg class="data">, which clips them. To
+// zoom, the script changes the viewBox of this <svg>, makes new lines of .x-grid and new texts of .x-texts,
+// and hides .x-names.
 
 /// Opens the <g class="panel">.
 std::string BeginZoomPanel(const PlotArea& area) {
@@ -317,7 +321,7 @@ LegendBlock DrawPanels(std::span<const LineChart> panels, double width_px) {
                                .marker = series.marker});
       plan.data |= std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
     }
-    std::vector<std::string> named;  // spans that the legend has already
+    std::vector<std::string> named;  // names of spans that are already in the legend
     for (const NamedSpan& span : panel.spans) {
       const double pixels = plan.area.X(std::min(span.end, x.max)) - plan.area.X(std::max(span.begin, x.min));
       if (TextWidth(span.name, kFontPx) + 8.0 <= pixels) {

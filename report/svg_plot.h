@@ -9,8 +9,8 @@
 #include "report/svg_frame.h"
 #include "report/ticks.h"
 
-// Plots as SVG text, without a library and without a script. Nothing overlaps: every text has its own strip
-// (title, legend, names of spans, axis labels), whose height and width follow from the text.
+// Makes plots as SVG text, without a library and without a script. Texts never overlap: title, legend, names
+// of spans and axis labels each have a strip that is sized for its text.
 //
 //     title      ─── series a   ─── series b          <- wraps into rows
 //            name of span │ name of span
@@ -25,17 +25,17 @@ namespace osteon::report {
 struct Series {
   std::string name{};
   std::vector<double> x{}, y{};  ///< same length; non-finite points leave a gap
-  std::string color{};           ///< empty: the palette's next
-  double width_px{1.4};          ///< of the line; 0: only points
+  std::string color{};           ///< empty: the next colour of the palette
+  double width_px{1.4};          ///< width of the line; 0: only points are drawn
   Marker marker{Marker::kNone};
   std::vector<double> y_low{}, y_high{};  ///< ends of error bars; empty, or as many as x
-  std::vector<std::string> labels{};      ///< beside the points; empty, or as many as x
-  /// Opacity of line and points; labels of pale points are the first to be left out.
+  std::vector<std::string> labels{};      ///< names written beside the points; empty, or as many as x
+  /// Opacity of line and points. If there is no room for all labels, those of pale series are left out first.
   double opacity{1.0};
-  std::string dash{};  ///< of the line, as SVG's stroke-dasharray; empty: solid
+  std::string dash{};  ///< dash pattern of the line, as SVG's stroke-dasharray; empty: solid
 };
 
-/// A horizontal line that a curve must not cross.
+/// A line at a limit value: horizontal in LineChart::limits, vertical in LineChart::x_limits.
 struct LimitLine {
   double value{0.0};
   std::string label{};  ///< written in the right margin
@@ -53,20 +53,21 @@ struct LineChart {
   std::string title{};
   std::string x_label{}, y_label{};  ///< with unit, e.g. "time [s]"
   std::optional<Range> x{}, y{};     ///< default: from the data
-  bool y_from_zero{true};            ///< a y range taken from the data contains 0; not with log_y
-  /// Logarithmic axes. Values that are not positive are left out; the first panel's log_x counts for all.
+  bool y_from_zero{true};  ///< true: a y range that is derived from the data contains 0; ignored with log_y
+  /// Logarithmic axes. Values that are not positive are left out. The log_x of the first panel applies to all
+  /// panels.
   bool log_x{false}, log_y{false};
   std::vector<Series> series{};
   std::vector<LimitLine> limits{};
-  /// Vertical lines; their names run along them, clear of the curves if possible.
+  /// Vertical lines. Their names are written along them, where they cover no curve if possible.
   std::vector<LimitLine> x_limits{};
   std::vector<NamedSpan> spans{};
   bool legend{true};
-  /// The x axis is the page's time: the page's script may move and zoom it together with the page's other
-  /// plots. The curves then keep more points than are visible at first. The first panel's value counts;
-  /// without markers.
+  /// The x axis is the time of the page's run, and the page's script may move and zoom it together with the
+  /// page's other plots. The curves then keep more points than are visible at first. The first panel's value
+  /// applies to all panels. Not for series with markers.
   bool zooms{false};
-  double plot_height_px{230.0};  ///< of the area between the axes
+  double plot_height_px{230.0};  ///< height of the area between the axes
 };
 
 /// Draws panels one above the other with one common x axis, whose ticks and label are below the last panel. A
@@ -81,17 +82,17 @@ struct LineChart {
 [[nodiscard]] std::string SvgGrid(std::span<const LineChart> panels, int columns, const std::string& title,
                                   const std::vector<LegendEntry>& legend, double width_px);
 
-/// Counts of values, as bars.
+/// A histogram: bars that show how often values occurred.
 struct Histogram {
   std::string title{};
   std::string x_label{};               ///< with unit
   std::vector<double> values{};        ///< values that are not finite are not counted
   std::vector<std::uint64_t> times{};  ///< number of occurrences of each value; empty: once each
   bool log_x{false};                   ///< values that are not positive go into the lowest bin
-  bool log_y{false};                   ///< shows a single outlier among thousands
+  bool log_y{false};  ///< true: logarithmic counts, so that a single outlier among thousands is visible
   int bins{60};
   std::string y_label{"count"};
-  std::string unit{};      ///< of the percentiles in the legend
+  std::string unit{};      ///< unit of the percentiles in the legend
   bool percentiles{true};  ///< lines at the median, 99 %, 99.9 % and the maximum
   double plot_height_px{200.0};
 };

@@ -71,7 +71,7 @@ std::string Number(double value, int decimals) {
   std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
   const bool negative = value < 0.0 && digits.find_first_of("123456789") != std::string::npos;
   const std::size_t point = std::min(digits.find('.'), digits.size());
-  // thin spaces (U+2009) from ten thousand on, as the SI brochure sets them
+  // numbers of five or more digits get thin spaces (U+2009), as in the SI brochure
   if (point > 4)
     for (std::size_t i = point - 3; i > 0 && i<point; i = i> 3 ? i - 3 : 0) digits.insert(i, "\xE2\x80\x89");
   return negative ? "\xE2\x88\x92" + digits : digits;

@@ -38,12 +38,14 @@ void AppendExtremes(std::span<const Point> bucket, std::vector<Point>& kept) {
 void ThinCurve::Add(rt::Nanoseconds stamp, double value) {
   points_.push_back({stamp, value});
   if (points_.size() < kMaxPoints) return;
-  // a wider bucket is exactly two of the former buckets, so that thinned points can be thinned again
+  // a wider bucket consists of exactly two former buckets, so that points already thinned can be thinned
+  // again
   for (Thin(); points_.size() > kMaxPoints / 2; Thin()) ++shift_;
 }
 
 void ThinCurve::Thin() {
-  // counted from the curve's first stamp; cannot overflow, whatever stamps a file has
+  // buckets are counted from the curve's first stamp; unsigned numbers cannot overflow for any stamps in a
+  // file
   const auto bucket_of = [origin = static_cast<std::uint64_t>(points_.front().stamp),
                           this](const Point& point) {
     return shift_ < 64 ? (static_cast<std::uint64_t>(point.stamp) - origin) >> shift_ : 0;

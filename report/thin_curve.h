@@ -10,12 +10,12 @@ namespace osteon::report {
 
 /// A curve over time for a chart, for runs of any length. It keeps every point while there are fewer than
 /// kMaxPoints. Beyond that it divides time into buckets, and keeps in each bucket the first, smallest,
-/// largest and last point and the first point that is not finite (a gap), so that no peak is lost. Buckets
-/// double in width when too many points are kept: at least kMaxPoints / 20 buckets remain, several for each
-/// pixel of a chart.
+/// largest and last point and the first point that is not finite (a gap), so that no peak is lost. If too
+/// many points are kept, the buckets are doubled in width. At least kMaxPoints / 20 buckets remain, which is
+/// several for each pixel of a chart.
 class ThinCurve {
  public:
-  static constexpr std::size_t kMaxPoints = std::size_t{1} << 16;  ///< 65 s at 1 kHz; 1 MiB
+  static constexpr std::size_t kMaxPoints = std::size_t{1} << 16;  ///< points of 65 s at 1 kHz; 1 MiB
 
   struct Point {
     rt::Nanoseconds stamp;

@@ -36,7 +36,7 @@ Ticks LinearTicks(Range range, int max_count) {
   Ticks ticks;
   if (!Usable(range) || max_count < 1) return ticks;
   double step = NiceStep((range.max - range.min) / max_count);
-  // an inclusive range of n steps holds n + 1 marks
+  // number of marks in the range for a step s, both ends included
   const auto count = [&range](double s) {
     return std::floor(range.max / s + 1e-9) - std::ceil(range.min / s - 1e-9) + 1.0;
   };
@@ -60,7 +60,8 @@ Ticks LogTicks(Range range, int max_count) {
   const int last = static_cast<int>(std::floor(std::log10(range.max) + 1e-9));
   const int first_power = static_cast<int>(std::ceil(std::log10(range.min) - 1e-9));
   const int powers = std::max(last - first_power + 1, 1);
-  // if there are too many powers, only every n-th power has a text, and no marks lie between powers
+  // if there are too many powers of ten, only every n-th power has a text, and there are no marks between
+  // powers
   const int every = std::max(1, (powers + max_count - 1) / std::max(max_count, 1));
   for (int exponent = first; exponent <= last; ++exponent) {
     for (const double factor : {1.0, 2.0, 5.0}) {
@@ -90,7 +91,7 @@ std::vector<std::vector<PlotPoint>> DecimateMinMax(std::span<const double> x, st
   std::vector<std::vector<PlotPoint>> runs;
   const double scale = columns / (x_range.max - x_range.min);
   std::vector<PlotPoint> run;
-  // indices of the points that stay in the current column
+  // indices of the points of the current column that are kept
   std::size_t first = 0, least = 0, greatest = 0, last = 0;
   long column = -1;
   const auto flush_column = [&] {

@@ -10,7 +10,7 @@ namespace osteon::report {
 
 /// The time axis of a chart.
 struct TimeAxis {
-  rt::Nanoseconds zero{0};        ///< stamp at which the axis has 0; earlier times are negative
+  rt::Nanoseconds zero{0};        ///< stamp at which the axis shows 0; earlier stamps have negative times
   std::string label{"time [s]"};  ///< below the axis
   std::string mark{};             ///< written along a vertical line at 0; empty: no line
 

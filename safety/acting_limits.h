@@ -10,33 +10,34 @@ namespace osteon::safety {
 
 /// Limits that may reduce the motion or the wrench in a tick. The numbers are recorded.
 enum class Limit : std::uint8_t {
-  kWrench = 0,        ///< any bound on the coupling's force or torque
-  kArmTorque = 1,     ///< the load that the arm's joints can hold: coupling, or the wrench that is sent
+  kWrench = 0,     ///< a bound on the coupling's force or torque
+  kArmTorque = 1,  ///< the torque limits of the arm's joints reduced the coupling, or the wrench that is sent
   kStoredEnergy = 2,  ///< energy stored by the coupling's spring
   kPower = 3,         ///< power from the coupling to the hand
-  kToolSpeed = 4,     ///< any bound on the tool's speed or rotation
-  kWorkspace = 5,     ///< the apex's bounds
-  kZones = 6,         ///< the zones of flange or elbow
-  kJoints = 7,        ///< joint position, speed or step, reach, a singular posture
+  kToolSpeed = 4,     ///< a bound on the tool's linear or angular speed
+  kWorkspace = 5,     ///< the sphere, plane or zones that bound the apex
+  kZones = 6,         ///< the zones that bound flange or elbow
+  kJoints = 7,        ///< a limit of joint position, speed or step; the end of the reach; a singular posture
   kElbowSpeed = 8,
-  kDepth = 9,       ///< the reamer's depth limit resisted
+  kDepth = 9,       ///< the resistance of the reamer's depth limit
   kModelAge = 10,   ///< the contact model's age slowed the tool
   kSensorAge = 11,  ///< the sensor's age reduced the hand's force
   kAgeGovernor = 12,
   kPassivity = 13,
   kTank = 14,
-  kBoneEntry = 15,   ///< the tool's speed into bone, while the coupling is at its force limit
+  /// the bound on the tool's speed into bone that applies while the coupling is at its force limit
+  kBoneEntry = 15,
   kGuidance = 16,    ///< guidance along the surgical plan gave a force or torque
-  kDeflection = 17,  ///< tool, tissue or the bone's mount gave way by more than the cell's error
+  kDeflection = 17,  ///< the tool, the tissue or the bone's mount yielded by more than the cell's error bound
 };
 inline constexpr std::size_t kLimitCount = 18;
-/// Names by number, as in summaries: `tool_speed`.
+/// Names of the limits by number, as in summaries, e.g. `tool_speed`.
 inline constexpr std::array<std::string_view, kLimitCount> kLimitNames{
     "wrench",       "arm_torque", "stored_energy", "power",      "tool_speed", "workspace",
     "zones",        "joints",     "elbow_speed",   "depth",      "model_age",  "sensor_age",
     "age_governor", "passivity",  "tank",          "bone_entry", "guidance",   "deflection"};
 
-/// The set of acting limits.
+/// The set of limits that acted in a tick.
 class LimitSet {
  public:
   constexpr LimitSet() = default;
@@ -57,7 +58,7 @@ class LimitSet {
 /// How often a limit acted.
 struct LimitCount {
   std::uint64_t ticks{0};
-  std::uint64_t events{0};   ///< number of runs of consecutive ticks
+  std::uint64_t events{0};   ///< how often the limit acted: number of runs of consecutive ticks
   std::uint64_t longest{0};  ///< ticks of the longest run
 };
 

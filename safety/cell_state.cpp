@@ -97,7 +97,7 @@ constexpr Rule kRules[] = {
 constexpr std::size_t IndexOf(CellState state) { return static_cast<std::size_t>(state); }
 constexpr std::size_t IndexOf(CellEvent event) { return static_cast<std::size_t>(event); }
 
-// Makes the whole table: every cell stays in its state unless a rule says otherwise.
+// Makes the whole table: an event leaves a state unchanged unless a rule says otherwise.
 constexpr CellTable MakeTable() {
   CellTable table{};
   for (std::size_t s = 0; s < table.size(); ++s)
@@ -109,7 +109,7 @@ constexpr CellTable MakeTable() {
 }
 constexpr CellTable kTable = MakeTable();
 
-// Whether holds(state, event, transition) is true for every cell of the table.
+// Whether holds(state, event, transition) is true for every entry of the table.
 template <class Holds>
 constexpr bool HoldsForAllTransitions(Holds&& holds) {
   for (std::size_t s = 0; s < kTable.size(); ++s)
@@ -141,8 +141,8 @@ static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTra
   if (from == kAligning) return event == Event::kBeginRendering && to.action == Action::kBeginRendering;
   return Renders(to.state) && (event == Event::kSpindleTurns || event == Event::kSpindleStill);
 }));
-// A fault ends every motion: the arm brakes if it takes commands. If the arm is lost, the last command is
-// kept, which has no effect on the arm.
+// A fault ends every motion. If the arm takes commands, it brakes. If the arm is lost, the last command is
+// held, which has no effect on the arm.
 static_assert(HoldsForAllTransitions([](CellState from, CellEvent event, CellTransition to) {
   const bool moves = IsMotion(from) || from == kStop2;
   if (moves && event == Event::kFault) return to == CellTransition{kStop1, Action::kBrake};

@@ -10,9 +10,9 @@ namespace osteon::safety {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxDampingShare = 0.25;  // largest damping force over the spring's force, as for a contact
+constexpr double kMaxDampingShare = 0.25;  // largest ratio of damping force to spring force, as for a contact
 
-// Returns the parameters; throws as Validate if the limit acts and a value is out of range.
+// Returns the parameters. If the limit is on, checks them. @throws std::invalid_argument, as Validate
 DepthLimitParams Validated(const DepthLimitParams& params) {
   if (params.acts) Validate(params);
   return params;
@@ -37,7 +37,7 @@ Vector3 DepthLimit::Step(const Vector3& p_WT, const Vector3& v_WT, double stiffn
   if (!params_.acts) return Vector3::Zero();
   const ZoneBounds bounds(params_.bound, p_WT);
   distance_m_ = bounds.distance_m();
-  // an unknown position must not let the cut go on
+  // also true for a distance of NaN: with an unknown position the cut must not continue
   if (!(distance_m_ > params_.spindle_stop_m)) retract_ = true;
   if (distance_m_ >= params_.soft_m) retract_ = false;
 

@@ -11,41 +11,44 @@ namespace osteon::safety {
 /// How deep the reamer may go.
 struct DepthLimitParams {
   bool acts{false};
-  ZoneParams bound{};              ///< keeps the tool's apex in; ZoneParams::point and side are ignored
-  double soft_m{5e-3};             ///< distance before the bound at which the resistance begins; > 0
+  ZoneParams bound{};   ///< set in which the tool's apex is kept; ZoneParams::point and side are ignored
+  double soft_m{5e-3};  ///< distance before the bound at which the resistance begins; > 0
   double spindle_stop_m{1e-3};     ///< distance before the bound at which the spindle stops; 0 … soft_m
-  double stiffness_N_per_m{20e3};  ///< of the resistance; > 0
-  double damping_Ns_per_m{100.0};  ///< on the way in, limited to a quarter of the spring's force; >= 0
-  /// The bound is fixed to the bone, which may give way: p and v of Step are those of the head in the bone's
-  /// world. The bound is then no zone of the workspace, which rests.
+  double stiffness_N_per_m{20e3};  ///< stiffness of the resistance; > 0
+  double damping_Ns_per_m{100.0};  ///< damping while the apex moves toward the bound; its force is at most a
+                                   ///< quarter of the spring's; >= 0
+  /// true: the bound moves with the bone on its compliant mount. Step then needs position and velocity
+  /// relative to the bone, and the bound is not added to the workspace, whose zones are fixed in the world.
   bool rides_on_bone{false};
 };
 
-/// @throws std::invalid_argument naming the field, the value and what is accepted.
+/// Checks the parameters. @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const DepthLimitParams& params);
 
 /// A haptic boundary in three steps, by the distance d of the tool's apex from its bound:
 ///
-///     d < soft            resistance      f = k (soft - d) + b v,  away from the bound, never pulling
-///     d < spindle_stop    spindle off     until the tool is back at d >= soft: it can only be retracted
+///     d < soft            resistance      f = k (soft - d) + b v,  pushes away from the bound
+///     d < spindle_stop    spindle off     the spindle stays off until the tool is back at d >= soft
 ///     d = 0               no further      the bound is a zone of the apex (Workspace)
 ///
-/// The resistance is a spring that depends on position alone and so generates no energy. It adds to the
-/// bone's force, and the cell's force limit applies to their sum.
+/// with stiffness k, damping b and the speed v toward the bound (b v is 0 while the apex moves away). The
+/// spring depends on position alone, so it generates no energy. The resistance is added to the bone's force,
+/// and the cell's force limit applies to their sum.
 class DepthLimit {
  public:
-  /// @throws std::invalid_argument as Validate; while the limit is off nothing is checked.
+  /// @throws std::invalid_argument, as Validate. If the limit is off, the parameters are not checked.
   explicit DepthLimit(const DepthLimitParams& params);
 
-  /// One tick. @returns the force on the tool at its apex, in W [N]; zero while inactive.
-  /// @param stiffness_N_per_m  upper bound: the coupling's stiffness, if it was made softer
+  /// Computes one tick. @returns the force on the tool at its apex, in W [N]; zero if the limit is off.
+  /// @param stiffness_N_per_m  upper bound of the resistance's stiffness: the coupling's present stiffness
   Vector3 Step(const Vector3& p_WT, const Vector3& v_WT,
                double stiffness_N_per_m = std::numeric_limits<double>::infinity()) OSTEON_RT;
   /// Returns to the state after construction.
   void Reset() OSTEON_RT;
 
   [[nodiscard]] bool acts() const OSTEON_RT { return params_.acts; }
-  /// Distance of the last tick [m]; infinite before the first, and while the limit is off.
+  /// Distance of the apex from the bound in the last tick [m]; infinite before the first tick, and if the
+  /// limit is off.
   [[nodiscard]] double distance_m() const OSTEON_RT { return distance_m_; }
   [[nodiscard]] bool resists() const OSTEON_RT { return distance_m_ < params_.soft_m; }
   [[nodiscard]] bool stops_spindle() const OSTEON_RT { return retract_; }

@@ -38,7 +38,7 @@ void ForceLimitReaction::Step(const ForceLimitInput& input) OSTEON_RT {
   into_bone_W_ = Vector3::Zero();
   if (!saturated_) return;
   into_bone_W_ = -input.displacement_W / depth_m_;
-  // e, x, the advance's factor and v_max of the header
+  // e, x, the factor on the advance, and v_max of the formulas in the header
   const double beyond_m = depth_m_ * (1.0 - input.rendered_scale);
   const double room_m = std::max(0.0, params_.slow_zone_m - beyond_m);
   const double step_m_per_s = deceleration_m_per_s2_ * period_s_;

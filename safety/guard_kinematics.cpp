@@ -9,8 +9,9 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kUnitTolerance = 1e-6;  // tolerance of the length of an axis or a rotation's column
-constexpr std::size_t kElbow = 3;        // A4
+// tolerance of the length of an axis, or of a column of a rotation matrix
+constexpr double kUnitTolerance = 1e-6;
+constexpr std::size_t kElbow = 3;  // A4
 
 // Throws std::invalid_argument unless X has a finite position and a rotation. @param name  for the message
 void RequirePose(const Pose& X, const std::string& name) {
@@ -48,7 +49,8 @@ GuardKinematics::GuardKinematics(const kinematics::ChainParams<7>& chain, const 
     origin_W_[i] = p_W;
     axis_W_[i] = R_W * joint.axis_J / length;
   }
-  // a description may put the joint anywhere on its axis: the elbow is its point nearest to the axis of A3
+  // A description may put the origin of A4 anywhere on its axis. The elbow is the point of this axis nearest
+  // to the axis of A3.
   const Vector3 &a = axis_W_[kElbow], &b = axis_W_[kElbow - 1], normal = a.cross(b);
   const Vector3 between = origin_W_[kElbow - 1] - origin_W_[kElbow];
   const double along_m =
@@ -85,7 +87,7 @@ GuardKinematics::Placement GuardKinematics::ComputePlacement(const Joints& q) co
   Placement placement;
   placement.p_WT = TurnPoint(turns, kJoints, p_WT_);
   placement.p_WFlange = TurnPoint(turns, kJoints, p_WFlange_);
-  placement.p_WElbow = TurnPoint(turns, kElbow, p_WElbow_);  // A4 itself leaves it in place
+  placement.p_WElbow = TurnPoint(turns, kElbow, p_WElbow_);  // joints A1 … A3 move the elbow; A4 does not
   for (int axis = 0; axis < 3; ++axis)
     placement.R_WT.col(axis) = TurnDirection(turns, kJoints, R_WT_.col(axis));
   return placement;

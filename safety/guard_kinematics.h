@@ -7,12 +7,12 @@
 
 namespace osteon::safety {
 
-/// Forward kinematics of a seven-axis arm, for the guard alone. Shares no code with the kinematics that the
-/// controller moves the arm by (kinematics::SerialChain, kinematics::LbrArm); only the arm's description and
-/// Eigen are common to both.
+/// Forward kinematics of a seven-axis arm, only for the guard. It shares no code with the controller's
+/// kinematics (kinematics::SerialChain, kinematics::LbrArm), so that an error there is detected; both use
+/// only the same arm description and Eigen.
 ///
-/// A product of exponentials: at q = 0 joint i turns about the line through o_i along the unit vector a_i,
-/// both in W. The position of a point of the link behind joint i is its position at q = 0, rotated by the
+/// The method is a product of exponentials. At q = 0, joint i turns about the line through o_i along the unit
+/// vector a_i, both in W. The position of a point that joint i moves is its position at q = 0, rotated by the
 /// joints i, i-1 … 1, in this order:
 ///
 ///     p(q) = T_1(q_1) … T_i(q_i) p(0)     T(q) p = o + v cos q + (a × v) sin q + a (a·v) (1 - cos q)
@@ -32,17 +32,18 @@ class GuardKinematics {
   struct Placement {
     Vector3 p_WT;       ///< the tool's apex
     Vector3 p_WFlange;  ///< the centre of the flange
-    Vector3 p_WElbow;   ///< the centre of the elbow: on the axis of A4, nearest to that of A3
+    Vector3 p_WElbow;   ///< the centre of the elbow: the point of the axis of A4 nearest to the axis of A3
     Matrix3 R_WT;
   };
   [[nodiscard]] Placement ComputePlacement(const Joints& q) const OSTEON_RT;
 
-  /// Velocities per rad/s of each joint, in W: of a point that moves with the flange, and of the flange.
+  /// Velocities, in W, for 1 rad/s of each joint: linear, of a point that moves with the flange, and angular,
+  /// of the flange.
   struct JointMotions {
     std::array<Vector3, kJoints> v;  ///< velocity of the point per rad/s [m]
     std::array<Vector3, kJoints> w;  ///< the joint's axis, unit
   };
-  /// @param p_WP position of the point at q
+  /// Computes the velocities at q. @param p_WP  position of the point at q
   [[nodiscard]] JointMotions ComputeJointMotions(const Joints& q, const Vector3& p_WP) const OSTEON_RT;
 
  private:
@@ -55,7 +56,7 @@ class GuardKinematics {
   [[nodiscard]] Vector3 TurnDirection(const Turns& turns, std::size_t count, Vector3 v_W) const OSTEON_RT;
   [[nodiscard]] Vector3 TurnPoint(const Turns& turns, std::size_t count, Vector3 p_W) const OSTEON_RT;
 
-  // at q = 0, in W
+  // joint axes and points on them, at q = 0, in W
   std::array<Vector3, kJoints> axis_W_, origin_W_;
   Vector3 p_WT_, p_WFlange_, p_WElbow_;
   Matrix3 R_WT_;

@@ -11,15 +11,17 @@
 namespace osteon::safety {
 namespace {
 
-constexpr std::uint32_t kMaxPeriods = 10;  // longest time between two commands over which a speed is taken
-constexpr std::int32_t kSessionStep = 64;  // a counter further away belongs to another session
-constexpr double kRest_rad_per_s = 1e-3;   // the arm stands if slower than this
+constexpr std::uint32_t kMaxPeriods = 10;  // most periods between two commands that count for a speed
+// a message counter that differs by more belongs to another session
+constexpr std::int32_t kSessionStep = 64;
+constexpr double kRest_rad_per_s = 1e-3;   // a commanded joint that is no faster counts as standing still
 constexpr double kRest_N = 1e-3;           // a smaller added wrench or torque counts as zero
 constexpr double kNormalTolerance = 1e-6;  // tolerance of the length of a direction
-// Damping of the least squares for the hand's force. Near singular postures the estimated force is too small.
+// Damping of the least squares for the hand's force. Because of it, the estimated force is too small near
+// singular postures.
 constexpr double kDamping = 1e-4;  // added to the diagonal of J J^T
 
-// By how much the counter a is ahead of b, also where it has wrapped around; negative: behind.
+// By how much the counter a is ahead of b, even if it has wrapped around; negative: a is behind.
 std::int32_t Ahead(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b); }
 
 // Whether the arm takes joint positions from the controller in this state.
@@ -92,7 +94,7 @@ GuardDecision GuardMonitor::OnArmMessage(const GuardArmMessage& message, rt::Nan
     before_message_ = message.sequence - 1;
     been_inside_ = false;
     been_in_zone_.fill(false);
-    // zones that contain the arm when it is handed over count from now on
+    // zones that contain the arm at the hand-over are enforced from now on
     static_cast<void>(CheckPlacement(arm_.ComputePlacement(q_before_)));
     on_start_path_ = !AtStart(q_before_);
     rests_ = true;
@@ -134,8 +136,8 @@ GuardDecision GuardMonitor::OnUnreadable(GuardFinding why) OSTEON_RT {
   return GuardDecision::kWithhold;
 }
 
-// Whether an answer is fresh. Counts an answer that is not, and latches one that the arm cannot have asked
-// for.
+// Whether an answer is fresh. Counts a late or duplicate answer. Latches an answer to a message that was
+// never sent, or with a counter that does not advance.
 bool GuardMonitor::IsFresh(const GuardCommand& command, rt::Nanoseconds now) OSTEON_RT {
   if (!has_arm_ || arm_message_.session == GuardSession::kIdle) {
     ++counters_.late;
@@ -229,7 +231,8 @@ GuardReason GuardMonitor::CheckCommand(const GuardCommand& command) OSTEON_RT {
 }
 
 void GuardMonitor::CheckSilence(rt::Nanoseconds now) OSTEON_RT {
-  // time from the check, not from the arrival: nobody could answer a message while the guard held it
+  // silence is measured from this check, not from the arm message's arrival: before the guard relayed the
+  // message, the controller could not answer it
   if (unanswered_ && !unanswered_since_) unanswered_since_ = now;
   if (!commanding_ || !unanswered_since_) return;
   const double silent_s = rt::ToSeconds(now - *unanswered_since_);

@@ -5,13 +5,13 @@
 namespace osteon::safety {
 namespace {
 
-// "what: found 5.41 unit, accepted 0 … 1.31 unit". @param scale  from SI to the unit
+// Makes a text "what: found 5.41 unit, accepted 0 … 1.31 unit". @param scale  factor from SI to the unit
 std::string Figures(const char* what, const GuardReason& r, double scale, const char* unit) {
   return fmt::format("{}: found {:.6g} {}, accepted {:.6g} … {:.6g} {}", what, scale * r.found, unit,
                      scale * r.min, scale * r.max, unit);
 }
 
-// The same for a quantity of the finding's joint, in SI.
+// The same text for a quantity, in SI, of the joint that the finding concerns.
 std::string OfJoint(const char* what, const GuardReason& r, const char* unit) {
   return Figures(fmt::format("joint A{}'s {}", r.joint, what).c_str(), r, 1.0, unit);
 }

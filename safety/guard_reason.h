@@ -11,25 +11,25 @@ namespace osteon::safety {
 enum class GuardFinding : std::uint8_t {
   kNone = 0,
   kUnreadable,     ///< a datagram of the controller is not a command of the cell's FRI version
-  kChecksum,       ///< as kUnreadable: its CRC-32 does not match its message
+  kChecksum,       ///< a datagram of the controller has a CRC-32 that does not match its content
   kNeverSent,      ///< the command answers a message that the arm has not sent
-  kSequence,       ///< the command's counter stands still or goes back
-  kNoPosition,     ///< an arm that is commanded gets no joint position
-  kCartesian,      ///< a Cartesian pose is commanded
+  kSequence,       ///< the command's counter does not advance
+  kNoPosition,     ///< the command has no joint position, although the arm is being commanded
+  kCartesian,      ///< the command contains a Cartesian pose
   kNotFinite,      ///< a joint position, force or torque is not finite
-  kNotMirrored,    ///< commanded away from the interpolator's position while the arm waits
+  kNotMirrored,    ///< commanded position too far from the interpolator's position in COMMANDING_WAIT
   kJointPosition,  ///< beyond a joint's limits
   kJointSpeed,
   kToolSpeed,
   kToolTurn,
-  kTracking,   ///< commanded apex far from the measured one
+  kTracking,   ///< commanded apex too far from the measured one
   kWorkspace,  ///< apex beyond the sphere
   kPlane,      ///< apex beyond the plane
-  kZone,       ///< apex, flange or elbow outside one of the zones; `joint`: which zone, from 1
-  kForce,      ///< force of the wrench that the controller adds
+  kZone,       ///< apex, flange or elbow violates a zone; `joint` is the number of the zone, from 1
+  kForce,      ///< force of the controller's added wrench beyond its limit
   kTorque,
-  kJointTorque,  ///< more than any wrench within the limits needs
-  kHandForce,    ///< the hand pushes too hard, by the arm's own estimate
+  kJointTorque,  ///< added joint torque larger than any wrench within the limits needs
+  kHandForce,    ///< hand force, estimated from the arm's external torques, beyond its limit
   kSilence,      ///< the controller was silent while the arm moved
 };
 inline constexpr int kGuardFindings = 22;

@@ -43,7 +43,8 @@ GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
       reason.finding != GuardFinding::kNone)
     return reason;
 
-  // the placement is noted in any case, but a command that repeats the last position is accepted anywhere
+  // CheckPlacement also records which zones the arm is in, so call it for every command. A command that
+  // repeats the last position is accepted anywhere.
   const GuardReason place = CheckPlacement(arm);
   if (q == q_before_) return {};
   if (place.finding != GuardFinding::kNone) return place;
@@ -63,8 +64,8 @@ GuardReason GuardMonitor::CheckTool(const Joints& q, double time_s) OSTEON_RT {
   return CheckAtMost(GuardFinding::kToolTurn, turn_rad / time_s, with_margin * params_.max_turn_rad_per_s);
 }
 
-// Checks the arm's placement against plane, sphere and zones. Sphere and zones count once the arm has been
-// inside.
+// Checks the arm's placement against plane, sphere and zones. Sphere and zones are enforced once the arm has
+// been inside.
 GuardReason GuardMonitor::CheckPlacement(const GuardKinematics::Placement& arm) OSTEON_RT {
   const WorkspaceParams& w = params_.workspace;
   const Vector3& p_WT = arm.p_WT;
@@ -78,7 +79,7 @@ GuardReason GuardMonitor::CheckPlacement(const GuardKinematics::Placement& arm) 
   return CheckAtMost(GuardFinding::kWorkspace, from_centre_m, w.sphere_radius_m + params_.workspace_margin_m);
 }
 
-// Returns the last zone in the list whose bound is passed; a zone counts once its point has been inside.
+// Returns the last zone in the list that is violated. A zone is enforced once its point has been inside.
 GuardReason GuardMonitor::CheckZones(const GuardKinematics::Placement& arm) OSTEON_RT {
   GuardReason reason;
   for (std::size_t i = 0; i < params_.workspace.zones.size(); ++i) {
@@ -133,7 +134,7 @@ GuardReason GuardMonitor::CheckOverlay(const GuardCommand& command) const OSTEON
   const GuardKinematics::JointMotions motions = arm_.ComputeJointMotions(q, arm_.ComputePlacement(q).p_WT);
   for (int i = 0; i < 7; ++i) {
     const auto joint = static_cast<std::size_t>(i);
-    // the most that a wrench within both limits asks of this joint
+    // largest torque that a wrench within max_force and max_torque needs at this joint
     const double max_Nm =
         motions.v[joint].norm() * params_.max_force_N + motions.w[joint].norm() * params_.max_torque_Nm;
     if (const GuardReason reason =

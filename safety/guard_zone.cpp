@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kRotationTolerance = 1e-6;  // tolerance of a rotation matrix
 
-// Distance to the surface of a set with perpendicular faces, from the gaps to them: a gap is positive if the
-// point is beyond that face. NaN stays NaN: std::max(x, 0.0) passes it on.
+// Signed distance of a point to the surface of a set with perpendicular faces. A gap is the point's signed
+// distance from one face, positive outside. A NaN gives NaN, because std::max(x, 0.0) returns a NaN x.
 double DistanceFromGaps(std::initializer_list<double> gaps_m) OSTEON_RT {
   double beyond_m2 = 0.0, nearest_m = -std::numeric_limits<double>::infinity();
   for (const double gap_m : gaps_m) {

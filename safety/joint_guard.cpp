@@ -51,7 +51,7 @@ typename JointGuard<N>::Result JointGuard<N>::Limit(const Joints& q, const Joint
     }
     if (q[i] > limit.upper_rad || q[i] < limit.lower_rad) result.violated = true;
 
-    // distance to the limit in the step's direction
+    // distance to the position limit in the step's direction
     const bool down = std::signbit(step);
     const double distance = down ? -limit.lower_rad - params_.position_margin_rad + q[i]
                                  : limit.upper_rad - params_.position_margin_rad - q[i];

@@ -7,37 +7,38 @@
 
 namespace osteon::safety {
 
-/// Limits of each joint, and how close a step may come to them.
+/// Limits of each joint, and the distances that a step keeps from them.
 struct JointGuardParams {
-  /// The arm's own limits; lower < upper, velocity and acceleration > 0. For a six-axis arm the first six
-  /// count.
+  /// The arm's own limits; lower < upper, velocity and acceleration > 0. A six-axis arm uses the first six.
   std::array<kinematics::JointLimits, 7> limits{};
   double position_margin_rad{0.0174532925199433};  ///< distance kept from each position limit (1 deg); >= 0
   double speed_share{0.9};                         ///< usable share of the velocity limit, (0, 1]
-  double jump_rad{0.1};  ///< a larger step of one joint is no motion but a change of branch; > 0
+  double jump_rad{0.1};  ///< a larger step of a joint is treated as a jump to another branch of the inverse
+                         ///< kinematics; > 0
 };
 
-/// Keeps a joint step within position, speed and step limits by scaling the whole step: the arm goes slower
-/// on the same path. Clipping a single joint would turn the tool's direction.
+/// Keeps a joint step within position, speed and step limits by scaling the steps of all joints with one
+/// factor. The arm then moves more slowly along the same path; clipping a single joint would change the
+/// tool's direction.
 ///
-/// Toward a position limit joint i may move at BrakingSpeed(distance, acceleration_i): one cycle's motion v
-/// dt and the braking after it both fit before the limit.
+/// Toward a position limit joint i may move at BrakingSpeed(distance, acceleration_i): one tick's motion v dt
+/// and the braking after it then end before the limit.
 /// @tparam N number of joints, 6 or 7
 template <int N>
 class JointGuard {
  public:
   using Joints = kinematics::JointVectorN<N>;
 
-  /// @throws std::invalid_argument where a value is out of range, naming the joint.
+  /// @throws std::invalid_argument if a value is out of range, naming the joint.
   explicit JointGuard(const JointGuardParams& params);
 
   struct Result {
     Joints step{Joints::Zero()};  ///< [rad]
-    double share{1.0};            ///< share of the wanted step that is left, 0 … 1
+    double share{1.0};            ///< factor that was applied to the wanted step, 0 … 1
     bool jump{false};      ///< a joint's wanted step was beyond jump_rad, or not finite; step is then zero
     bool violated{false};  ///< q is outside the arm's own position limits
   };
-  /// Scales the step of a tick from the joints q.
+  /// Scales the wanted step of a tick that starts at the joint positions q.
   [[nodiscard]] Result Limit(const Joints& q, const Joints& wanted_step_rad, double dt_s) const OSTEON_RT;
 
  private:

@@ -10,8 +10,8 @@
 namespace osteon::safety {
 namespace {
 
-// Rounding of the quotient, and of the product with a torque, may each add half an ulp. This factor keeps the
-// scaled torque below the limit.
+// Rounding of the quotient and of its product with a torque may each add half an ulp. This factor keeps the
+// scaled torque within the limit in spite of that.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
 }  // namespace

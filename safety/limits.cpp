@@ -11,10 +11,12 @@
 namespace osteon::safety {
 namespace {
 
-// Rounding in norm, quotient and product may each add half an ulp; this keeps the result below the limit.
+// Rounding in norm, quotient and product may each add half an ulp. This factor keeps the result within the
+// limit in spite of that.
 constexpr double kRoundDown = 1.0 - 1e-15;
 
-// |v| without overflow for components up to the largest double (may be infinite, which scales to zero).
+// |v|, without overflow in the squares. The result may still be infinite for the largest doubles; such a v is
+// then scaled to zero.
 double SafeNorm(const Vector3& v) {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 1e100 ? largest * (v / largest).norm() : v.norm();
@@ -77,10 +79,10 @@ bool WrenchRateTrip::Check(const Vector3& f_N, double dt_s) OSTEON_RT {
   growth_N_ = std::numeric_limits<double>::infinity();
   if (!IsFinite(f_N)) return true;
   const double before_squared = before_N_.squaredNorm();
-  // s f_before is the place nearest to f on the line from zero to the previous force
+  // s f_before is the point nearest to f on the segment from zero to the previous force
   const double s = before_squared > 0.0 ? std::clamp(f_N.dot(before_N_) / before_squared, 0.0, 1.0) : 0.0;
   growth_N_ = SafeNorm(f_N - s * before_N_);
-  // the next force is compared with one of plausible size: one huge value would make the squares overflow
+  // store at most 1e6 N, because the squares of a huge force would overflow in the next tick
   before_N_ = ScaleWrench({.f = f_N, .t = Vector3::Zero()}, 1e6, 1.0).F.f;
   return !(growth_N_ <= max_rate_N_per_s_ * dt_s);
 }
@@ -94,7 +96,7 @@ SensorForceTrip::SensorForceTrip(const SensorForceParams& params, double max_for
 }
 
 bool SensorForceTrip::Check(double force_N) OSTEON_RT {
-  count_ = force_N <= level_N_ ? 0 : std::min(count_ + 1, ticks_);  // NaN counts as beyond
+  count_ = force_N <= level_N_ ? 0 : std::min(count_ + 1, ticks_);  // NaN counts as beyond the level
   return count_ >= ticks_;
 }
 

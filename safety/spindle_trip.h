@@ -10,12 +10,13 @@ namespace osteon::safety {
 struct SpindleLimitParams {
   double max_torque_Nm{std::numeric_limits<double>::infinity()};        ///< > 0
   double max_speed_rad_per_s{std::numeric_limits<double>::infinity()};  ///< > 0
-  /// Longest uninterrupted time beyond a limit; then the trip. A start-up exceeds the torque for less; >= 0.
+  /// Uninterrupted time beyond a limit after which the trip occurs; >= 0. It must be longer than the
+  /// spindle's start-up, which may exceed the torque limit.
   double trip_s{0.1};
 };
 
-/// Trips if the spindle's torque or speed, of either sign, exceeds its limit for some time: a jammed tool, or
-/// a drive out of control.
+/// Trips if the spindle's torque or speed, of either sign, exceeds its limit for some time: the tool has
+/// jammed, or the drive is out of control.
 class SpindleTrip {
  public:
   /// @throws std::invalid_argument naming the field, the value and what is accepted.
@@ -27,7 +28,7 @@ class SpindleTrip {
 
  private:
   SpindleLimitParams params_;
-  double beyond_s_{0.0};  // time without interruption beyond a limit
+  double beyond_s_{0.0};  // uninterrupted time beyond a limit so far
 };
 
 }  // namespace osteon::safety

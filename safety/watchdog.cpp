@@ -6,7 +6,7 @@
 namespace osteon::safety {
 
 double AgeSeconds(rt::Nanoseconds now, rt::Nanoseconds stamp) OSTEON_RT {
-  if (now < 0 || stamp < 0) return kNoAge_s;  // from here on the difference cannot overflow
+  if (now < 0 || stamp < 0) return kNoAge_s;  // both are >= 0 now, so their difference cannot overflow
   if (stamp - now > rt::kMillisecond) return kNoAge_s;
   return std::clamp(rt::ToSeconds(now - stamp), 0.0, kNoAge_s);
 }

@@ -12,10 +12,13 @@
 namespace osteon::safety {
 namespace {
 
-constexpr int kCorrections = 6;  // corrections of a velocity whose stop would end outside; a plane needs one
-constexpr double kInside_m = 1e-12;  // distance by which a corrected stop ends inside: above rounding
-constexpr int kHalvings = 12;        // bisections of a stop's time, or of a share if corrections fail
-// Tolerances of a velocity from Limit after its passage through the joints.
+// most corrections of a velocity whose stop would end outside; for a plane one is enough
+constexpr int kCorrections = 6;
+// a corrected stop ends this far inside the bound; larger than rounding errors
+constexpr double kInside_m = 1e-12;
+constexpr int kHalvings = 12;  // steps of each bisection in StoppingInside
+// Tolerances of Allows: a velocity from Limit is converted to joint velocities and back, which adds rounding
+// errors.
 constexpr double kRounding_m_per_s = 1e-8, kRounding_m = 1e-10;
 
 }  // namespace
@@ -73,17 +76,19 @@ Workspace::Result Workspace::Limit(const Vector3& p_WT, const Vector3& v_WT, dou
       result.acted = true;
     }
   }
-  // remaining excess: corrections for other bounds, curvature, and a straight stop at a slant
+  // the stop may still end outside: later corrections may undo earlier ones, a bound may be curved, and a
+  // bound may be approached at a slant
   if (StopsInside(p_WT, result.v_WT, dt_s)) return result;
   return {.v_WT = StoppingInside(p_WT, result.v_WT, dt_s), .acted = true};
 }
 
 Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s) const OSTEON_RT {
-  // bisects the time ahead for which the velocity is turned: fails_s is too short, stops_s is enough
+  // bisect the time ahead over which the velocity is turned: fails_s is too short, stops_s is long enough
   double fails_s = dt_s, stops_s = StopTime(v_WT, dt_s);
   Vector3 turned_WT = TurnedInside(p_WT, v_WT, stops_s);
   if (StopsInside(p_WT, turned_WT, dt_s)) {
-    for (int i = 0; i < kHalvings; ++i) {  // a velocity slower than v needs less time: find the fastest
+    for (int i = 0; i < kHalvings; ++i) {  // a turned velocity is slower than v and stops earlier, so try
+                                           // shorter times to find the fastest one
       const double look_s = 0.5 * (fails_s + stops_s);
       const Vector3 faster_WT = TurnedInside(p_WT, v_WT, look_s);
       const bool stops = StopsInside(p_WT, faster_WT, dt_s);
@@ -92,7 +97,7 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
     }
     return turned_WT;
   }
-  // turning is not enough: bisect a share of the whole velocity
+  // turning is not enough: find by bisection the largest share of the whole velocity that stops inside
   double stops = 0.0, fails = 1.0;
   for (int i = 0; i < kHalvings; ++i) {
     const double share = 0.5 * (stops + fails);
@@ -101,9 +106,9 @@ Vector3 Workspace::StoppingInside(const Vector3& p_WT, const Vector3& v_WT, doub
   return stops * v_WT;
 }
 
-// Removes from the velocity, for each bound that the stop would end past, the component along the bound's
-// normal at that end. Scaling the whole velocity instead would cause chatter while a hand pushes, because the
-// removed rest returns within a few ticks.
+// For each bound beyond which the stop would end, removes from the velocity the excess along the bound's
+// normal at the stop's end. Scaling the whole velocity instead would cause chatter while a hand pushes,
+// because the removed motion along the bound would come back within a few ticks.
 Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double look_s) const OSTEON_RT {
   Vector3 turned_WT = v_WT;
   bool ends_inside = false;
@@ -116,7 +121,8 @@ Vector3 Workspace::TurnedInside(const Vector3& p_WT, const Vector3& v_WT, double
       for (std::size_t k = 0; k < here.all().size(); ++k) {
         const double distance_m = here.all()[k].distance_m;
         const ZoneBound& end = there.all()[k];
-        // distance to the bound at the end, and what lacks; a point outside may stay as far outside
+        // left_m: distance to the bound at the end; lacks_m: how much it is short of 0. A point that is
+        // already outside may stay as far outside.
         const double left_m = keep_in ? end.distance_m : distance_m - end.toward_W.dot(way);
         const double lacks_m = std::min(0.0, distance_m) - left_m;
         if (!(lacks_m > 0.0)) continue;
@@ -140,24 +146,25 @@ bool Workspace::Allows(const Vector3& p_WT, const Vector3& v_WT, double dt_s) co
   return StopsInside(p_WT, v_WT, dt_s, kRounding_m);
 }
 
-// For a set that is kept out, the half-space at its nearest place counts.
+// A keep-out set is replaced by the half-space that touches it at the point nearest to p.
 bool Workspace::StopsInside(const Vector3& p_WT, const Vector3& v_WT, double dt_s,
                             double slack_m) const OSTEON_RT {
   const Vector3 way = StopTime(v_WT, dt_s) * v_WT;
-  return std::all_of(
-      Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(), [&](const ZoneParams& zone) {
-        const ZoneBounds bounds(zone, p_WT);
-        const double distance_m = bounds.distance_m();
-        const double left_m = zone.side == ZoneSide::kKeepIn
-                                  ? ZoneBounds(zone, p_WT + way).distance_m()
-                                  : distance_m - bounds.all().front().toward_W.dot(way);
-        return left_m >= std::min(0.0, distance_m) - slack_m;  // a point outside may still come back
-      });
+  return std::all_of(Bounds(ZonePoint::kApex).begin(), Bounds(ZonePoint::kApex).end(),
+                     [&](const ZoneParams& zone) {
+                       const ZoneBounds bounds(zone, p_WT);
+                       const double distance_m = bounds.distance_m();
+                       const double left_m = zone.side == ZoneSide::kKeepIn
+                                                 ? ZoneBounds(zone, p_WT + way).distance_m()
+                                                 : distance_m - bounds.all().front().toward_W.dot(way);
+                       // a point that is outside already may stay as far outside
+                       return left_m >= std::min(0.0, distance_m) - slack_m;
+                     });
 }
 
-// The distance to the bound of a keep-in set is concave along a displacement: a share of it comes nearer by
-// at most the same share of the difference. The distance to a keep-out set is convex: it comes nearer by at
-// most the same share of its slope's prediction.
+// The distance to the bound of a keep-in set is concave along a displacement, so the share s of the
+// displacement reduces it by at most s times the whole reduction. The distance to a keep-out set is convex,
+// so the share s reduces it by at most s times the reduction predicted by its slope.
 double Workspace::Share(ZonePoint point, const Vector3& p_WP, const Vector3& p_next_WP,
                         double dt_s) const OSTEON_RT {
   if (!IsFinite(p_WP) || !IsFinite(p_next_WP)) return 0.0;

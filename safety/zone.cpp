@@ -11,7 +11,7 @@
 namespace osteon::safety {
 namespace {
 
-constexpr double kTiny_m = 1e-12;  // nearer to a centre than this, any direction will do
+constexpr double kTiny_m = 1e-12;  // a shorter vector has no usable direction
 
 // Unit vector of v, or `otherwise` if v has no direction.
 Vector3 DirectionOr(const Vector3& v, const Vector3& otherwise) OSTEON_RT {
@@ -19,20 +19,22 @@ Vector3 DirectionOr(const Vector3& v, const Vector3& otherwise) OSTEON_RT {
   return length > kTiny_m ? Vector3(v / length) : otherwise;
 }
 
-// The nearest point of a capsule's axis; of a sphere, its centre.
+// Returns the point of a capsule's axis that is nearest to p; for a sphere, the centre.
 Vector3 NearestOfAxis(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT {
   if (zone.shape == ZoneShape::kSphere) return Vector3::Zero();
   return {0.0, 0.0, std::clamp(p_Z.z(), -zone.half_length_m, zone.half_length_m)};
 }
 
-// The nearest place of a set: the unit direction to it, and its distance, which is negative from inside.
+// The nearest point of a set's surface: the unit vector toward the set, and the distance, which is negative
+// for a point inside.
 struct Outside {
   Vector3 toward_Z;
   double distance_m;
 };
 
-// Direction and distance of a point to the nearest place of a set, from its gaps to the set's faces
-// (positive: outside of that face) along these directions; from inside, to the nearest face.
+// Finds direction and distance from a point to a set with perpendicular faces. gap_m: the point's distance
+// from each face, positive outside. out_Z: the faces' outward normals. For a point inside, the nearest face
+// is used.
 template <std::size_t N>
 Outside NearestFromGaps(const std::array<double, N>& gap_m, const std::array<Vector3, N>& out_Z) OSTEON_RT {
   Vector3 beyond = Vector3::Zero();

@@ -22,27 +22,29 @@ struct ZoneParams {
   ZoneShape shape{ZoneShape::kHalfSpace};
   ZoneSide side{ZoneSide::kKeepIn};
   ZonePoint point{ZonePoint::kApex};
-  /// Half-space: a point of its face; other shapes: their centre.
+  /// For a half-space a point of its face, for other shapes the centre.
   Vector3 p_W_m{Vector3::Zero()};
-  /// Box: the directions of its edges, by column. Cylinder and capsule: their axis is column 2; half-space:
-  /// column 2 points into it.
+  /// Orientation of the set. Box: the columns are the directions of the edges. Cylinder and capsule: column 2
+  /// is the axis. Half-space: column 2 points into the half-space.
   Matrix3 R_W{Matrix3::Identity()};
   Vector3 half_edge_m{Vector3::Ones()};  ///< box; each > 0
   double radius_m{1.0};                  ///< sphere, cylinder, capsule; > 0
-  double half_length_m{1.0};  ///< cylinder: between its ends; capsule: between its balls' centres; > 0
+  double half_length_m{1.0};  ///< half the length of a cylinder between its ends, of a capsule between the
+                              ///< centres of its end balls; > 0
 };
 
-/// @throws std::invalid_argument naming the field, the value and what is accepted.
+/// Checks the parameters. @throws std::invalid_argument naming the field, the value and what is accepted.
 void Validate(const ZoneParams& zone);
 
-/// One face near a point: its direction and distance.
+/// A face of a zone as seen from a point: direction and distance.
 struct ZoneBound {
   Vector3 toward_W{Vector3::Zero()};  ///< unit, from the allowed side to the forbidden side
   double distance_m{0.0};             ///< along toward_W; negative if the point is past the face
 };
 
-/// The faces of a zone for a point at p_WP: for keep-in, each of a box's six or a cylinder's three faces; for
-/// keep-out, the nearest place of the set. The zone is kept if no distance is negative.
+/// The faces of a zone as seen from a point at p_WP. A keep-in box has six faces and a keep-in cylinder
+/// three; other keep-in sets and all keep-out sets have one, the nearest. The point keeps the zone if no
+/// distance is negative.
 class ZoneBounds {
  public:
   static constexpr std::size_t kMax = 6;
@@ -51,14 +53,15 @@ class ZoneBounds {
   ZoneBounds(const ZoneParams& zone, const Vector3& p_WP) OSTEON_RT;
 
   [[nodiscard]] std::span<const ZoneBound> all() const OSTEON_RT { return {bounds_.data(), count_}; }
-  /// Distance to the nearest face [m]; over any path it decreases by at most the path's length.
+  /// Distance to the nearest face [m]. Along any path it decreases by at most the length of the path.
   [[nodiscard]] double distance_m() const OSTEON_RT;
 
  private:
   void Add(const Vector3& toward_W, double distance_m) OSTEON_RT {
     bounds_[count_++] = {.toward_W = toward_W, .distance_m = distance_m};
   }
-  // Fill in the faces, with toward_W still in the zone's frame Z. p_Z: the point in Z.
+  // KeepIn and KeepOut fill in the faces. They express toward_W in the zone's frame Z; the constructor
+  // converts it to W. p_Z: the point in Z.
   void KeepIn(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
   void KeepOut(const ZoneParams& zone, const Vector3& p_Z) OSTEON_RT;
 

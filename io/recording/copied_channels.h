@@ -19,8 +19,8 @@ class CopiedChannels {
   /// @param writer  outlives this
   explicit CopiedChannels(McapWriter& writer) : writer_(writer) {}
 
-  /// Returns the channel's number in the copy. A channel is added to the copy when it is first asked for. The
-  /// error says that there are too many channels, in the file or of one number.
+  /// Returns the channel's number in the copy. The first call for a channel adds it to the copy. The error
+  /// says that the file has too many channels, or that too many channels use one number.
   [[nodiscard]] tl::expected<std::uint16_t, std::string> IdOf(const McapChannel& channel) {
     constexpr std::size_t kMaxPerNumber = 64, kMaxChannels = 60'000;
     std::vector<Copied>& same_number = copied_[channel.id];
@@ -39,11 +39,11 @@ class CopiedChannels {
  private:
   struct Copied {
     McapChannel channel;
-    std::uint16_t id;  // in the copy
+    std::uint16_t id;  // channel number in the copy
   };
   McapWriter& writer_;
-  std::map<std::uint16_t, std::vector<Copied>> copied_;  // by the number in the source file
-  std::size_t count_{0};                                 // of channels in the copy
+  std::map<std::uint16_t, std::vector<Copied>> copied_;  // key: channel number in the source file
+  std::size_t count_{0};                                 // number of channels in the copy
 };
 
 }  // namespace osteon::io

@@ -7,8 +7,8 @@ using simulation::FrameRecord;
 
 namespace {
 
-// Returns a cleared message that reuses the memory of the last one: a recording of hours has a hundred
-// million messages.
+// Returns a cleared message that reuses the memory of the one before, because a recording of hours has a
+// hundred million messages.
 Frame& ReusedFrame() {
   static thread_local Frame message;
   message.Clear();
@@ -85,8 +85,9 @@ std::string Decode(std::span<const char> bytes, FrameRecord& record) {
       return "material " + std::to_string(plane.material()) + ", accepted 0 … 255";
     contact.material = static_cast<simulation::MaterialIndex>(plane.material());
   }
-  // A number of contacts is recorded beside the planes only if it is invalid: negative or too large. Any
-  // other number is refused.
+  // Normally the number of contacts is the number of recorded planes. A separate contact_count is recorded
+  // only if the model's number was invalid: negative, or above kMaxContacts. Any other contact_count is
+  // refused.
   if (message.has_contact_count()) {
     const std::int32_t count = message.contact_count();
     const bool too_few = count < 0 && model.contact_count == 0;

@@ -3,14 +3,14 @@
 #include <cstdint>
 #include <string_view>
 
-// The part of MCAP that recordings use (https://mcap.dev/spec): records of opcode u8, length u64, content;
-// little-endian.
+// The part of MCAP that recordings use (https://mcap.dev/spec). A record is an opcode (u8), the content's
+// length (u64) and the content, all little-endian. A file consists of
 //
 //     magic | Header | Chunk, MessageIndex … | DataEnd | Schema …, Channel …, Statistics, ChunkIndex … |
 //     Footer | magic
 //
-// Chunks hold Schema, Channel and Message records, compressed by zstd. Chunks and their indexes let a
-// standard reader seek.
+// Chunks hold Schema, Channel and Message records, compressed by zstd. The indexes let a standard reader find
+// a chunk by time.
 
 namespace osteon::io::mcap {
 

@@ -20,7 +20,7 @@ void AppendInt(std::string& out, T value) {
   for (std::size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<char>(value >> (8 * i) & 0xff));
 }
 
-// A text after its length.
+// Appends a text's length (u32) and the text.
 inline void AppendString(std::string& out, std::string_view text) {
   AppendInt(out, static_cast<std::uint32_t>(text.size()));
   out.append(text);
@@ -32,7 +32,7 @@ inline void AppendRecord(std::string& out, Opcode opcode, std::string_view conte
   out.append(content);
 }
 
-// CRC-32 of bytes that follow others. @param crc  of the bytes before; 0 at the beginning
+// Continues a CRC-32 over further bytes. @param crc  CRC-32 of the bytes before; 0 at the beginning
 inline std::uint32_t Crc(std::uint32_t crc, std::string_view bytes) {
   return static_cast<std::uint32_t>(
       crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));

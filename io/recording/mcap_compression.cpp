@@ -9,13 +9,14 @@ namespace osteon::io::mcap {
 namespace {
 
 constexpr std::uint64_t kMaxSize = 64u << 20;  // bytes of a chunk's records: a larger chunk is refused
-constexpr int kLevel = 3;                      // of compression: libzstd's default
+constexpr int kLevel = 3;                      // compression level: libzstd's default
 
 struct FreeContext {
   void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
 };
 
-// Unpacks into `out`, which has the announced size. Returns the number of bytes unpacked, or why it stopped.
+// Unpacks an lz4 frame into `out`, which has the announced size. Returns the number of bytes unpacked, or the
+// error.
 tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, std::string& out) {
   LZ4F_dctx* made = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&made, LZ4F_VERSION)) != 0)
@@ -23,7 +24,7 @@ tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, st
   const std::unique_ptr<LZ4F_dctx, FreeContext> context(made);
   std::size_t read = 0, written = 0;
   for (;;) {
-    // room on both sides before the call; bytes used on both sides after it
+    // before the call: bytes left in the input and in the output; after it: bytes read and bytes written
     std::size_t taken = bytes.size() - read, given = out.size() - written;
     const std::size_t hint =
         LZ4F_decompress(context.get(), out.data() + written, &given, bytes.data() + read, &taken, nullptr);
@@ -36,7 +37,7 @@ tl::expected<std::size_t, std::string> UnpackLz4(std::span<const char> bytes, st
   }
 }
 
-// The same for zstd.
+// Unpacks a zstd frame in the same way.
 tl::expected<std::size_t, std::string> UnpackZstd(std::span<const char> bytes, std::string& out) {
   const std::size_t written = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(written) != 0) return tl::unexpected<std::string>(ZSTD_getErrorName(written));
@@ -79,7 +80,7 @@ std::string DecompressTorn(std::string_view compression, std::span<const char> b
   std::string out(size, '\0');
   ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
   ZSTD_outBuffer unpacked{out.data(), out.size(), 0};
-  // each call processes what it can; the last one neither consumes nor produces bytes
+  // each call processes as much as it can; the loop ends with a call that neither reads nor writes bytes
   for (std::size_t taken = 0, given = 0;; taken = in.pos, given = unpacked.pos) {
     if (ZSTD_isError(ZSTD_decompressStream(context.get(), &unpacked, &in)) != 0) break;
     if (in.pos == taken && unpacked.pos == given) break;

@@ -15,11 +15,13 @@ namespace {
 using mcap::Crc;
 using mcap::Cursor;
 
-// [bytes] A longer record counts as damage; the longest of our records holds a configuration's files.
+// [bytes] A longer record counts as damage. The longest record that this project writes holds a
+// configuration's files.
 constexpr std::uint64_t kMaxRecord = 64u << 20;
-// Bytes of a chunk before its records, without compression: times, sizes, CRC, no name.
+// Bytes of an uncompressed chunk before its records: first and last time, unpacked size, CRC, length of the
+// (empty) compression name, length of the records.
 constexpr std::uint64_t kChunkHead = 8 + 8 + 8 + 4 + 4 + 8;
-// Bytes of the footer record: summary's start, start of its offsets, CRC.
+// Bytes of the footer record: head, start of the summary, start of the summary offsets, CRC.
 constexpr std::uint64_t kFooterRecord = mcap::kRecordHead + 8 + 8 + 4;
 
 std::string_view View(std::span<const char> bytes) { return {bytes.data(), bytes.size()}; }
@@ -58,7 +60,7 @@ tl::expected<bool, std::string> McapReader::Next(McapMessage& message) {
       if (!torn_) damage_.push_back({records_offset_, records_.size() - at_, reason});
       records_.resize(at_);
     }
-    // the complete records of a torn chunk that is not compressed count as read
+    // a torn, uncompressed chunk counts as read up to the end of its last complete record
     if (torn_ && at_ > 0 && torn_records_ > 0) offset_ = torn_records_ + at_;
     torn_ = false;
     records_.clear();
@@ -85,8 +87,8 @@ std::vector<McapChunkPlace> McapReader::FindChunks() {
       const auto first = cursor.Int<std::uint64_t>();
       chunks.push_back({.offset = at, .first_ns = first, .last_ns = cursor.Int<std::uint64_t>()});
     }
-    // A chunk is followed by an index for each of its channels. A channel that is new is described in that
-    // chunk.
+    // A chunk is followed by an index for each of its channels. If a channel has not been used before, that
+    // chunk contains its description, so read it there.
     if (opcode == mcap::kMessageIndex && !chunks.empty() && used.insert(cursor.Int<std::uint16_t>()).second)
       ReadChannelsOfChunk(chunks.back().offset);
     at += mcap::kRecordHead + length;
@@ -138,7 +140,7 @@ std::string McapReader::ReadRecord() {
   if (length > kMaxRecord) {
     reason = "record of " + std::to_string(length) + " bytes, accepted up to " + std::to_string(kMaxRecord);
   } else if (length > rest - mcap::kRecordHead) {
-    // The file is truncated here, or the length is damaged and sound chunks follow.
+    // Either the file is truncated here, or this length is damaged and sound chunks follow.
     if (skip && SkipToNextChunk("record of " + std::to_string(length) + " bytes, more than the file has"))
       return {};
     if (opcode == mcap::kChunk) UnpackTornChunk();
@@ -178,7 +180,8 @@ std::string McapReader::HandleRecord(std::uint8_t opcode, std::span<const char> 
       return {};
     case mcap::kSchema:
     case mcap::kChannel:
-      if (data_ended_) return {};  // the summary repeats them
+      // these belong to the summary, which repeats schemas and channels of the chunks
+      if (data_ended_) return {};
       [[fallthrough]];
     case mcap::kMessage:
       if (data_ended_) return "message after the end of data";
@@ -193,7 +196,8 @@ std::string McapReader::HandleRecord(std::uint8_t opcode, std::span<const char> 
       const auto expected = cursor.Int<std::uint32_t>();
       if (!cursor.ok()) return "end of data is cut off";
       data_ended_ = true;
-      if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};  // the damage is known and noted
+      // with skipped parts the CRC of the whole data cannot match
+      if (on_damage_ == OnDamage::kSkip && !damage_.empty()) return {};
       return !sought_ && expected != 0 && expected != crc_
                  ? "the data does not match its CRC: the file was changed"
                  : "";
@@ -227,7 +231,7 @@ std::string McapReader::UnpackChunk(std::span<const char> content) {
   return {};
 }
 
-// Reads what exists of the chunk that was being written when the process died.
+// Reads the existing part of a chunk that was being written when the process died.
 void McapReader::UnpackTornChunk() {
   std::string content;
   const std::uint64_t start = offset_ + mcap::kRecordHead;
@@ -248,7 +252,8 @@ void McapReader::UnpackTornChunk() {
   in_chunk_ = torn_ = true;
 }
 
-// Reads one record of the present chunk. Returns an empty string, or the error: at_ then stays before it.
+// Reads one record of the present chunk. Returns an empty string, or the error. After an error at_ is still
+// the start of the invalid record.
 std::string McapReader::ReadChunkRecord(McapMessage& message, bool& found) {
   Cursor head(std::span<const char>(records_).subspan(at_));
   const auto opcode = head.Int<std::uint8_t>();
@@ -346,7 +351,8 @@ void McapReader::ReadSummary() {
 
 // Moves from an invalid record to the next sound chunk. False if there is none.
 bool McapReader::SkipToNextChunk(const std::string& reason) {
-  // the file is searched in blocks of 1 MiB, which overlap by a chunk's head
+  // Search the file in blocks of 1 MiB. Neighbouring blocks overlap by a chunk's head, so that no head is
+  // cut.
   constexpr std::uint64_t kBlock = 1u << 20, kHead = mcap::kRecordHead + kChunkHead;
   std::string block;
   for (std::uint64_t start = offset_ + 1; size_ - start > kHead; start += kBlock) {
@@ -362,7 +368,7 @@ bool McapReader::SkipToNextChunk(const std::string& reason) {
       const auto unpacked_size = cursor.Int<std::uint64_t>();
       cursor.Int<std::uint32_t>();
       const auto name_size = cursor.Int<std::uint32_t>();
-      // checks on the head, before the chunk is read
+      // check the head first, before the whole chunk is read
       const bool may_be = name_size == 0 ? unpacked_size == length - kChunkHead
                                          : name_size == 3 || name_size == 4;  // "lz4", "zstd"
       if (!may_be || !IsSoundChunk(start + i, length)) continue;

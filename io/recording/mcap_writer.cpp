@@ -26,13 +26,13 @@ std::string Explain(const std::filesystem::path& path, const char* what, int err
 }
 
 // Opens the file, locks it for this process, and empties it. On an error returns null, and errno gives the
-// reason; EWOULDBLOCK: another process has the file.
+// reason. EWOULDBLOCK means that another process has locked the file.
 std::FILE* OpenLocked(const std::filesystem::path& path) {
   const int descriptor = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor < 0) return nullptr;
   struct stat status;  // NOLINT: filled by the call
   const bool is_file = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
-  // On a file system without locks, flock fails with another errno: the file then counts as free.
+  // On a file system without locks, flock fails with another errno. The file is then treated as not locked.
   const bool is_taken = is_file && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   std::FILE* file = nullptr;
   if (!is_taken && (!is_file || ftruncate(descriptor, 0) == 0)) file = fdopen(descriptor, "wb");
@@ -158,11 +158,12 @@ void McapWriter::EndChunk() {
   ++chunks_;
   chunk_.clear();
   chunk_times_ = {};
-  if (failed()) lost_ += messages;  // counts all of them, although a part of the chunk may be in the file
+  // all of them count as lost, although a part of the chunk may be in the file
+  if (failed()) lost_ += messages;
 }
 
-// Writes the positions of each channel's messages in the chunk; `offsets` receives the position of each such
-// index in the file.
+// Writes the positions of each channel's messages in the chunk; `offsets` receives the file position of each
+// index.
 void McapWriter::PutMessageIndexes(std::string& offsets) {
   std::string content, record;
   for (std::size_t id = 0; id < channels_.size(); ++id) {
@@ -192,7 +193,8 @@ void McapWriter::Flush() {
   if (!failed() && std::fflush(file_.get()) != 0) Fail(errno);
 }
 
-// A file that was removed or replaced still accepts every byte, and disappears when it is closed.
+// Returns an error if the path no longer leads to the open file. A file that was removed or replaced accepts
+// every byte and disappears when it is closed, so writing alone reports no error.
 std::string McapWriter::ValidateStillAtPath() const {
   struct stat now, made;  // NOLINT: filled by the calls
   if (fstat(fileno(file_.get()), &made) != 0) return Explain(path_, "cannot write the recording", errno);
@@ -204,7 +206,7 @@ std::string McapWriter::ValidateStillAtPath() const {
 std::string McapWriter::Sync() const {
   std::string wrong = ValidateStillAtPath();
   if (!wrong.empty()) return wrong;
-  // a pipe or a device does not support fdatasync and has no disk to wait for
+  // a pipe or a device does not support fdatasync (EINVAL, EROFS), and that is no error
   if (fdatasync(fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS)
     return Explain(path_, "cannot bring the recording to the disk", errno);
   return {};
@@ -242,7 +244,7 @@ tl::expected<std::uint64_t, std::string> McapWriter::Finish(bool to_disk) {
   AppendRecord(summary, mcap::kStatistics, statistics);
   summary += chunk_indexes_;
 
-  // footer; its own CRC covers the summary and the footer up to that CRC
+  // footer; its CRC covers the summary and the footer's bytes before the CRC
   std::string footer;
   AppendInt(footer, summary_start);
   AppendInt(footer, std::uint64_t{0});  // no summary offsets

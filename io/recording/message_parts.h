@@ -14,7 +14,7 @@
 
 namespace osteon::io {
 
-// out: plain data to protobuf
+// plain data to protobuf
 
 inline void FillMessage(const PlainVector3& from, Vec3* to) {
   to->set_x(from.x);
@@ -32,7 +32,7 @@ inline void FillMessage(const PlainWrench& from, ForceTorque* to) {
   FillMessage(from.t, to->mutable_torque_nm());
 }
 
-// in: protobuf to plain data; false where an array has the wrong length
+// protobuf to plain data; false if an array has the wrong length
 
 inline void Get(const Vec3& from, PlainVector3& to) {
   to.x = from.x();
@@ -57,7 +57,7 @@ inline void Get(const ForceTorque& from, PlainWrench& to) {
   Get(from.torque_nm(), to.t);
 }
 
-// False if the bytes are no such message.
+// Parses the bytes as a Message. False if they are not a valid one.
 template <class Message>
 [[nodiscard]] bool Parse(std::span<const char> bytes, Message& message) {
   return bytes.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) &&

@@ -8,7 +8,7 @@
 namespace osteon::io {
 namespace {
 
-// FillPacking and PackingOf convert a packing's figures to a message and back.
+// FillPacking converts a PackingRecord to a message; PackingOf converts it back.
 
 void FillPacking(const PackingRecord& packing, Packing& message) {
   message.set_kind(packing.kind);

@@ -7,12 +7,12 @@
 namespace osteon::io {
 
 /// Receives a session's messages in addition to the file, for a live view. The recorder's writer calls it, in
-/// the file's order, so an implementation must return at once: it keeps the newest messages and never waits
-/// for a reader.
+/// the file's order, so an implementation must return at once. It keeps only the newest messages and never
+/// waits for a viewer.
 class RecordSink {
  public:
   virtual ~RecordSink() = default;
-  // Each is called once for each message of its kind, after the message is written to the file.
+  // Each function is called once for each message of its kind, after the message was written to the file.
   virtual void TakeTick(const control::TickRecord& tick) = 0;
   virtual void TakeFrame(const simulation::FrameRecord& frame) = 0;
   virtual void TakeEvent(const RecordedEvent& event) = 0;

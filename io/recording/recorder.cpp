@@ -9,8 +9,8 @@
 namespace osteon::io {
 namespace {
 
-// Periods of the writer thread (draining the queues, ending a chunk) and of the thread that syncs to the
-// disk.
+// Periods of the writer thread (kDrainPeriod: draining the queues; kChunkPeriod: ending a chunk) and of the
+// thread that brings the file to the disk (kSyncPeriod).
 constexpr auto kDrainPeriod = std::chrono::milliseconds(20);
 constexpr auto kChunkPeriod = std::chrono::nanoseconds(McapWriter::kChunkTime_ns);
 constexpr auto kSyncPeriod = std::chrono::seconds(1);
@@ -74,8 +74,8 @@ bool Recorder::WaitForStop(std::chrono::milliseconds time) {
   return stop_changed_.wait_for(lock, time, [this] { return stop_; });
 }
 
-// McapWriter ends a chunk by the log times of its messages. If no message comes any more, this thread's clock
-// ends it.
+// McapWriter ends a chunk by the log times of its messages. If no more messages arrive, this thread ends the
+// chunk by its own clock.
 void Recorder::RunWriter() {
   rt::NameThread("recorder");
   auto chunk_ended = std::chrono::steady_clock::now();
@@ -126,7 +126,7 @@ void Recorder::Write(bool end_chunk) {
     events.swap(events_);
   }
 
-  // Merges three queues, each in its own order, by stamp.
+  // Merge the three queues by stamp; each queue keeps its own order.
   control::TickRecord tick;
   simulation::FrameRecord frame;
   bool has_tick = ticks_.Pop(tick), has_frame = frames_.Pop(frame);

@@ -25,14 +25,14 @@ namespace osteon::io {
 
 struct RecorderParams {
   std::filesystem::path path;
-  std::size_t tick_capacity{8192};   ///< ticks that wait for the disk: 8 s at 1 kHz
-  std::size_t frame_capacity{8192};  ///< frames that wait for the disk
-  /// Number of waiting ticks from which the writer counts as stalled: early enough that the stop is recorded
-  /// to its end.
+  std::size_t tick_capacity{8192};   ///< most ticks that may wait for the disk: 8 s at 1 kHz
+  std::size_t frame_capacity{8192};  ///< most frames that may wait for the disk
+  /// Number of waiting ticks from which the writer counts as stalled. The rest of the ring must hold all
+  /// ticks of the stop that follows.
   std::size_t stalled_ticks{2048};
   bool writer_thread{true};       ///< false: the owner calls Drain (virtual time)
-  RecordSink* live{nullptr};      ///< gets every message as well, and outlives the recorder; null: none
-  RecordTopics* topics{nullptr};  ///< writes topics of its own, and outlives the recorder; null: none
+  RecordSink* live{nullptr};      ///< receives every message as well; must outlive the recorder; null: none
+  RecordTopics* topics{nullptr};  ///< adds derived topics, and outlives the recorder; null: none
 };
 
 /// Counts of a closed recording, including losses.
@@ -50,13 +50,13 @@ struct RecordingCounts {
 ///     simulation ──PushFrame▶ ring ─┼─▶ Drain: merged by stamp ─▶ file
 ///     anybody ───PushEvent──▶ list ─┘             └─▶ RecordSink: a live view
 ///
-/// In wall time a thread drains every 20 ms; in virtual time the owner does, and two equal runs give equal
-/// bytes. Order among equal stamps: tick, frame, event.
+/// In wall time a thread calls Drain every 20 ms. In virtual time the owner calls it, so that two equal runs
+/// give equal bytes. Order among equal stamps: tick, frame, event.
 ///
 /// A kill -9 loses what was pushed in the last 0.3 s: a chunk is passed to the system once it has 256 KiB or
-/// is 0.25 s old. In wall time a second thread brings it to the disk itself (fdatasync) every second, so that
-/// neither the tick nor the writer waits for the disk; a power cut loses about that second more. In virtual
-/// time nothing is synchronised, as such a run can be repeated.
+/// is 0.25 s old. In wall time a second thread brings the file to the disk itself (fdatasync) every second,
+/// so that neither the tick nor the writer waits for the disk. A power cut loses about one second more. In
+/// virtual time the file is not brought to the disk, because such a run can be repeated.
 ///
 /// A full disk, or a removed file, stops only the recording: error() reports it at once, the rings are
 /// emptied as before, and losses are counted.
@@ -70,32 +70,36 @@ class Recorder final : public control::TickRecorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Servo thread only. False, and counted, if the disk is too slow.
+  /// Servo thread only. Returns false, and counts the tick as dropped, if the ring is full because the disk
+  /// is too slow.
   bool Push(const control::TickRecord& record) OSTEON_RT override;
-  /// Servo thread only: RecorderParams::stalled_ticks wait, 2 s at 1 kHz.
+  /// Servo thread only. Whether at least RecorderParams::stalled_ticks ticks are waiting: by default 2 s at 1
+  /// kHz.
   [[nodiscard]] bool Stalled() const OSTEON_RT override { return ticks_.waiting() >= stalled_ticks_; }
-  /// Simulation thread only. False, and counted, if the disk is too slow.
+  /// Simulation thread only. Returns false, and counts the frame as dropped, if the ring is full because the
+  /// disk is too slow.
   bool PushFrame(const simulation::FrameRecord& record) OSTEON_RT;
-  /// Any thread but those of the tick: allocates and locks.
+  /// Any thread except the tick's, because it allocates and locks.
   void PushEvent(rt::Nanoseconds stamp, std::string text);
   void PushEvent(RecordedEvent event);
 
-  /// Writes everything pushed so far. Any one thread; meant for virtual time.
+  /// Writes everything pushed so far. One thread at a time; meant for virtual time.
   void Drain();
 
   /// The file's first error so far, with its path; empty if there was none. Any thread except the tick's.
   [[nodiscard]] std::string error() const;
-  /// Counts so far; bytes only after Close. Any thread except the tick's.
+  /// Counts so far; `bytes` is set only after Close. Any thread except the tick's.
   [[nodiscard]] RecordingCounts counts() const;
 
-  /// Writes the rest, the summary and the footer. Call it after the pushing threads have ended; a second call
-  /// gives the same result. The error names the path, the reason (a full disk, for example) and how much was
-  /// lost.
+  /// Writes the messages still waiting, the summary and the footer. Call it after the pushing threads have
+  /// ended; a second call gives the same result. The error names the path, the reason (a full disk, for
+  /// example) and how much was lost.
   tl::expected<RecordingCounts, std::string> Close();
 
  private:
   Recorder(const RecorderParams& params, McapWriter writer);
-  // The threads: one drains the queues into the file, one brings the file to the disk each second.
+  // The bodies of the two threads: RunWriter drains the queues into the file, RunSync brings the file to the
+  // disk each second.
   void RunWriter();
   void RunSync();
   // Waits until Close, at most for `time`. True if Close was called.
@@ -111,12 +115,12 @@ class Recorder final : public control::TickRecorder {
   std::mutex events_mutex_;
   std::vector<RecordedEvent> events_;  // guarded by events_mutex_
 
-  mutable std::mutex writer_mutex_;  // guards the members that follow: the file's side
+  mutable std::mutex writer_mutex_;  // guards the members below, which write the file
   McapWriter writer_;
   std::uint16_t tick_channel_{0}, frame_channel_{0}, event_channel_{0};
   std::string bytes_;  // scratch
   RecordingCounts counts_;
-  bool to_disk_{false};  // wall time: a closed file is on the disk
+  bool to_disk_{false};  // true in wall time: Close waits until the file is on the disk
   bool closed_{false};
   std::string close_error_;
 

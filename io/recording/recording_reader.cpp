@@ -44,7 +44,7 @@ tl::expected<RecordedTopic, std::string> RecordingStream::Next() {
     }
     if (wrong.empty()) return topic;
     if (message.checked) return tl::unexpected(reader_.ErrorAt(wrong));
-    cut_off_ = true;  // the message is from a chunk that was being written when the process died
+    cut_off_ = true;  // the message is in a chunk that was being written when the process died
   }
   if (!has_session_)
     return tl::unexpected(reader_.path().string() + ": byte " + std::to_string(reader_.read_bytes()) +

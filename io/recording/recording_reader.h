@@ -20,14 +20,15 @@ struct Recording {
   std::vector<control::TickRecord> ticks;
   std::vector<simulation::FrameRecord> frames;
   std::vector<RecordedEvent> events;
-  bool complete{false};         ///< false: see end_error; everything before the end is here
-  std::uint64_t read_bytes{0};  ///< up to the end, or up to the first truncated message
+  /// false: the file is torn (end_error says where); the messages before that place are here
+  bool complete{false};
+  std::uint64_t read_bytes{0};  ///< bytes up to the file's end, or up to the first truncated message
   std::string end_error;        ///< RecordingStream::EndError
 };
 
 /// Reads a file of Recorder. Unknown topics and records are skipped. The error names the file, the byte and
-/// the reason: not MCAP, not of this project, or damaged (the data's CRC is checked). No byte of the file is
-/// trusted: a length beyond the file ends the recording (incomplete), never the program.
+/// the reason: not MCAP, not of this project, or damaged (the data's CRC is checked). Every length is
+/// checked: a record that is longer than the rest of the file ends the recording, which is then incomplete.
 [[nodiscard]] tl::expected<Recording, std::string> ReadRecording(const std::filesystem::path& path);
 
 /// Type of a message in a recording.
@@ -35,17 +36,18 @@ enum class RecordedTopic : std::uint8_t { kOther, kSession, kTick, kFrame, kEven
 /// The type of a channel's messages, by its schema's name.
 [[nodiscard]] RecordedTopic TopicOf(const McapChannel& channel);
 
-/// Reads a recording one message after the other: hours need no more memory than seconds.
+/// Reads a recording message by message, so that memory does not grow with the recording's length.
 class RecordingStream {
  public:
   /// The error names the file and the reason.
   [[nodiscard]] static tl::expected<RecordingStream, std::string> Open(const std::filesystem::path& path);
 
   /// Reads the next message of a known topic into that topic's member. kOther at the end. The error names
-  /// file, byte and reason; a file that ends without an osteon.Session is an error as well.
+  /// file, byte and reason; a file without an osteon.Session is an error as well.
   [[nodiscard]] tl::expected<RecordedTopic, std::string> Next();
 
-  /// As McapReader's. SeekTo needs a session that was read (the first message).
+  /// Finds the file's chunks (McapReader::FindChunks). Call SeekTo only after the first message, the session,
+  /// was read.
   [[nodiscard]] std::vector<McapChunkPlace> FindChunks() { return reader_.FindChunks(); }
   void SeekTo(std::uint64_t offset) {
     reader_.SeekTo(offset);
@@ -57,10 +59,10 @@ class RecordingStream {
   simulation::FrameRecord frame;
   RecordedEvent event;
 
-  /// Valid at the end, as in Recording.
+  /// Valid after the last message: as Recording::complete and Recording::read_bytes.
   [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
-  /// The fault at the file's end, with its byte: it ends early, or something follows its end. Empty:
-  /// nothing. Valid at the end.
+  /// What is wrong with the file's end, with the byte: the file ends early, or bytes follow its closing
+  /// magic. Empty if nothing is wrong. Valid after the last message.
   [[nodiscard]] std::string EndError() const;
   [[nodiscard]] const McapReader& file() const { return reader_; }
 

@@ -11,7 +11,7 @@
 namespace osteon::io {
 namespace {
 
-// Counts the messages that are kept, and checks them.
+// Checks the messages to be kept, and counts them.
 class RecoveryCounts {
  public:
   explicit RecoveryCounts(Recovery& recovery) : recovery_(recovery) {}
@@ -60,8 +60,8 @@ class RecoveryCounts {
 };
 
 // Returns why a strict reader refuses a file in which nothing was skipped; empty if it reads the whole file.
-// A reader that skips damage also takes schemas and channels from the summary, so it keeps a message whose
-// channel is declared only there; a strict reader refuses that message.
+// Such a file exists: a reader that skips damage also takes schemas and channels from the summary, so it
+// accepts a message whose channel is declared only there. A strict reader refuses that message.
 std::string ValidateReadable(const std::filesystem::path& path) {
   auto stream = RecordingStream::Open(path);
   if (!stream) return stream.error();
@@ -85,7 +85,7 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
   if (std::filesystem::equivalent(from, to, ignored))
     return tl::unexpected(to.string() + ": found the torn recording itself, accepted another file");
 
-  // Write a file beside `to`, which then replaces `to`.
+  // Write to a temporary file beside `to`, which replaces `to` at the end.
   const std::filesystem::path part = to.string() + ".part";
   auto writer = McapWriter::Create(part, reader->library());
   if (!writer) return tl::unexpected(writer.error());
@@ -128,7 +128,8 @@ tl::expected<Recovery, std::string> RecoverRecording(const std::filesystem::path
     std::filesystem::remove(part, ignored);
     return recovery;
   }
-  // damage that reaches the file's end is already listed: its bytes are not counted as a tail too
+  // Damage that reaches the file's end is already listed in recovery.damage, so its bytes are not counted as
+  // a tail as well.
   const auto& damage = reader->damage();
   const bool to_the_end =
       !damage.empty() && damage.back().offset + damage.back().bytes >= reader->file_bytes();

@@ -1,5 +1,5 @@
 // Encodes a tick's record as an osteon.Tick message and decodes it. FillMessage writes one part of the
-// record, Get reads it back; a field that an older recording lacks leaves the record's default.
+// record, Get reads it back. If an older recording lacks a field, the record keeps its default.
 #include <stdexcept>
 
 #include "io/recording/message_parts.h"
@@ -24,7 +24,8 @@ void FillMessage(const control::Gains& from, osteon::Gains* to) {
   to->set_damping_share(from.damping_share);
 }
 
-// Returns an empty string, or the error: a replay passes the gains to a loop, which accepts only valid ones.
+// Returns an empty string, or the error. Gains are checked here because a replay passes them to a servo loop,
+// which accepts only valid gains.
 std::string Get(const osteon::Gains& from, control::Gains& to) {
   io::Get(from.mass_kg(), to.mass_kg);
   io::Get(from.inertia_kg_m2(), to.inertia_kg_m2);
@@ -149,7 +150,7 @@ void FillMessage(const control::TickInput& from, osteon::TickInput* to) {
 std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   if (!osteon::TickInput::Received_IsValid(from.received()))
     return "received " + std::to_string(from.received()) + ", accepted 0 … 2";
-  // numbers of enumerations, and numbers that the record stores in 8 or 16 bits
+  // fields with a bound: values of enumerations, and numbers that the record stores in 8 or 16 bits
   struct BoundedField {
     const char* name;
     std::uint32_t value, max;
@@ -224,8 +225,8 @@ std::string Get(const osteon::TickInput& from, control::TickInput& to) {
   return to.has_gains ? Get(from.gains(), to.gains) : std::string();
 }
 
-// Returns a cleared message that reuses the memory of the last one: a recording of hours has a hundred
-// million messages.
+// Returns a cleared message that reuses the memory of the one before, because a recording of hours has a
+// hundred million messages.
 Tick& ReusedTick() {
   static thread_local Tick message;
   message.Clear();

@@ -13,7 +13,7 @@ namespace {
 
 using Event = XmlReader::Event;
 
-// An element's name, and the names of its attributes.
+// An element's name, and a letter for the names of its attributes.
 struct ElementName {
   RsiElement element;
   std::string_view name;
@@ -33,7 +33,7 @@ constexpr std::array<ElementName, 8> kElements{{
 }};
 constexpr std::string_view kFrameNames = "XYZABC";
 
-// Returns null for an element that is not read.
+// Finds an element by its name. Returns null for an element that this codec does not read.
 const ElementName* FindElement(std::string_view name) OSTEON_RT {
   for (const ElementName& element : kElements)
     if (element.name == name) return &element;
@@ -64,8 +64,8 @@ std::string_view Trimmed(std::string_view text) OSTEON_RT {
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-// Reads a decimal number, which blanks may surround and one plus sign may precede. False if the text has
-// anything else, or the number is beyond ±kRsiMaxValue.
+// Reads a decimal number. Blanks may surround it and one plus sign may precede it. False if the text contains
+// anything else, or if the number is beyond ±kRsiMaxValue.
 bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
   text = Trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
@@ -73,7 +73,7 @@ bool ReadNumber(std::string_view text, double& value) OSTEON_RT {
   return error == std::errc{} && end == text.data() + text.size() && std::abs(value) <= kRsiMaxValue;
 }
 
-// Content of one message read so far.
+// The part of one message that has been read so far.
 struct Reading {
   RsiRobotMessage message;
   std::uint16_t seen{0};  // RsiElement bits of the elements read so far
@@ -126,7 +126,8 @@ struct Reading {
   RsiError ReadElement(XmlReader& reader) OSTEON_RT;
 };
 
-// Reads one child of the root, from after its kOpen to its kClose.
+// Reads one child of the root. The reader has just returned the child's kOpen; afterwards it has returned its
+// kClose.
 RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
   const ElementName* element = FindElement(reader.name());
   if (element != nullptr) {
@@ -159,7 +160,8 @@ RsiError Reading::ReadElement(XmlReader& reader) OSTEON_RT {
       case Event::kClose: {
         if (reader.depth() != 2) break;
         if (element == nullptr) return {};
-        // bits that `found` must have; missing external axes stay 0
+        // Attributes that must be found, as bits. Attributes of EIPos are optional: a missing external axis
+        // stays 0.
         const unsigned wanted = element->prefix == 'E'                           ? 0
                                 : element->prefix == 'D' || element->prefix == 0 ? 1
                                                                                  : 0x3f;

@@ -26,7 +26,7 @@ class Writer {
     at_ = std::copy(text.begin(), text.end(), at_);
   }
 
-  // Writes a number with that many decimals, never with an exponent, and zero without a minus.
+  // Writes a number with `decimals` decimals, without an exponent, and zero without a minus.
   void Number(double value, int decimals) OSTEON_RT {
     std::array<char, 32> digits;  // |value| <= 1e6, at most 9 decimals
     const auto end =
@@ -52,7 +52,7 @@ class Writer {
 
  private:
   char *begin_, *end_, *at_;
-  bool full_{false};  // a text did not fit
+  bool full_{false};  // some text did not fit into the buffer
 };
 
 }  // namespace
@@ -89,7 +89,8 @@ RsiErrorCode EncodeAnswer(const RsiAnswer& answer, int decimals, std::span<std::
 }
 
 double RsiRounded(double value, int decimals) OSTEON_RT {
-  // Computed from the text itself, so it equals the controller's number to the last bit.
+  // Write the number as text and read it back, so that the result equals the number that the controller
+  // reads, to the last bit.
   std::array<char, 32> digits;
   if (!(std::abs(value) <= kRsiMaxValue) || decimals < 0 || decimals > 9) return value;
   const auto end =

@@ -9,12 +9,13 @@
 namespace osteon::io {
 
 inline constexpr int kRsiAxes = 6;
-/// A1 … A6 or E1 … E6 [deg] (motor currents: per cent of the rated one).
+/// A1 … A6 or E1 … E6 [deg]; for motor currents, per cent of the rated current.
 using RsiAxes = std::array<double, kRsiAxes>;
 /// X Y Z [mm], A B C [deg]: rotations about Z, then the new Y, then the new X.
 using RsiFrame = std::array<double, 6>;
 
-/// The elements of <Rob> that are read; others are skipped. The numbers are bits of a set.
+/// The elements of <Rob> that are read; others are skipped. Each value is one bit, so that a set of elements
+/// fits in one number.
 enum class RsiElement : std::uint16_t {
   kNone = 0,
   kRIst = 1u << 0,   ///< pose of the tool, measured
@@ -27,10 +28,11 @@ enum class RsiElement : std::uint16_t {
   kIpoc = 1u << 7,   ///< the message's number
 };
 
-/// The controller's message of each cycle: <Rob>. It contains only what the Ethernet configuration names.
+/// The controller's message of each cycle: <Rob>. It contains only the elements that the controller's
+/// Ethernet configuration names.
 struct RsiRobotMessage {
   std::uint64_t ipoc{0};       ///< always there
-  std::uint8_t ipoc_digits{};  ///< as written, with leading zeros: the answer repeats them
+  std::uint8_t ipoc_digits{};  ///< number of digits as received, with leading zeros: the answer has as many
   std::optional<std::uint32_t> delay;
   std::optional<RsiFrame> pose_measured, pose_set;  ///< RIst, RSol
   std::optional<RsiAxes> axes_measured, axes_set;   ///< AIPos, ASPos
@@ -38,7 +40,7 @@ struct RsiRobotMessage {
   std::optional<RsiAxes> motor_currents;            ///< MACur
 };
 
-/// The <Sen> that the controller's Ethernet configuration expects.
+/// The form of the answer <Sen> that the controller's Ethernet configuration expects.
 enum class RsiLayout : std::uint8_t {
   kImFree,  ///< <Sen Type="ImFree">, correction, IPOC
   kKroshu,  ///< <Sen Type="KROSHU">, Stop, correction, IPOC: read by position, so exact to the byte
@@ -54,12 +56,13 @@ struct RsiAnswer {
   RsiLayout layout{RsiLayout::kImFree};
   RsiCorrection kind{RsiCorrection::kAxes};
   std::array<double, 6> correction{};
-  bool stop{false};             ///< ends RSI; only KROSHU's layout has it
-  std::uint64_t ipoc{0};        ///< of the message that it answers
-  std::uint8_t ipoc_digits{0};  ///< smallest number of digits; 0: as many as needed
+  bool stop{false};       ///< asks the controller to end RSI; only KROSHU's layout can express it
+  std::uint64_t ipoc{0};  ///< IPOC of the message that is answered
+  /// smallest number of IPOC digits, filled with leading zeros; 0: as many as needed
+  std::uint8_t ipoc_digits{0};
 };
 
-/// Decimals of the corrections that each layout's controllers are known to read.
+/// Number of decimals of a correction that controllers with this layout are known to read.
 [[nodiscard]] constexpr int RsiDecimals(RsiLayout layout) { return layout == RsiLayout::kImFree ? 4 : 6; }
 
 }  // namespace osteon::io

@@ -23,21 +23,24 @@ struct RsiLinkParams {
   RsiSessionParams session{};
 };
 
-/// RSI over UDP: this side is the server, the controller speaks first, and answers go to the source of its
-/// message. The first sender of a valid message is the peer. Others are counted as rejected, until the peer
-/// has been silent for a second. If several messages wait, the newest is used and the others count as late.
+/// RSI over UDP. This side is the server: the controller sends first, and each answer goes to the address
+/// that its message came from. The first sender of a valid message becomes the peer. Messages of other
+/// senders are counted as rejected, until the peer has been silent for a second. If several messages wait,
+/// the newest is used and the others count as late.
 ///
 /// ArmState::stamp is the arrival in the kernel if the system provides it, otherwise the time of reading. One
 /// thread at a time; no allocation, no system calls except the socket's and the clock's.
 class RsiLink final : public control::ArmLink {
  public:
-  /// The error names address and port, or the session's parameter, and says what to do.
+  /// Opens the socket. The error names address and port, or the invalid parameter of the session, and says
+  /// what to do.
   [[nodiscard]] static tl::expected<std::unique_ptr<RsiLink>, std::string> Open(const RsiLinkParams& params);
 
-  /// `deadline` is on CLOCK_MONOTONIC; messages that have arrived are taken even if it has passed.
+  /// Waits for a message until `deadline` on CLOCK_MONOTONIC. Messages that have already arrived are read
+  /// even if the deadline has passed.
   control::ReceiveResult Receive(control::ArmState& state, rt::Nanoseconds deadline) OSTEON_RT override;
 
-  /// Also true if no answer is due.
+  /// Sends the answer to the last accepted message. Returns true also if there is no message to answer.
   bool Send(const control::ArmCommand& command) OSTEON_RT override;
 
   bool Await(rt::Nanoseconds time) OSTEON_RT override { return peer_.Await(time); }
@@ -52,7 +55,7 @@ class RsiLink final : public control::ArmLink {
   [[nodiscard]] std::uint16_t port() const { return peer_.port(); }
 
  private:
-  static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one more, to detect oversized datagrams
+  static constexpr std::size_t kRoom = kRsiMaxDatagram + 1;  // one byte more, to detect oversized datagrams
 
   RsiLink(const BoundUdp& bound, std::optional<in_addr> arm, const RsiLinkParams& params)
       : peer_(bound, arm),

@@ -13,14 +13,15 @@ namespace {
 
 using control::SessionState;
 
-constexpr std::int64_t kWindow = 64;  // IPOC steps that the bits of seen_ reach back
+constexpr std::int64_t kWindow = 64;  // number of IPOC steps that seen_ covers, one bit each
 constexpr std::size_t kAxes = kRsiAxes;
-// The period is measured over at least this many messages. Only a mean that is longer or shorter than the
-// configured cycle by this factor replaces it.
+// The period is measured over at least kPeriodMessages messages. The measured mean replaces the configured
+// cycle only if they differ by at least the factor kOtherPeriod.
 constexpr std::uint32_t kPeriodMessages = 10;
 constexpr double kOtherPeriod = 2.0;
 
-// @throws std::invalid_argument with the parameter's name, the value found and the range, if not accepted.
+// @throws std::invalid_argument if `accepted` is false, with the parameter's name, the value found and the
+// range.
 void Require(bool accepted, const std::string& name, double found, const char* range) {
   if (!accepted)
     throw std::invalid_argument("RSI: " + name + ": found " + base::NumberText(found) + ", accepted " +
@@ -33,7 +34,8 @@ kinematics::JointVectorN<6> ToRadians(const RsiAxes& axes_deg) OSTEON_RT {
   return q;
 }
 
-// A, B, C [deg] of R = Rz(A) Ry(B) Rx(C); A = 0 where B is ±90 deg.
+// Returns A, B, C [deg] with R = Rz(A) Ry(B) Rx(C). If B is ±90 deg, A and C are not unique, and A is set to
+// 0.
 std::array<double, 3> ToAbcAngles(const Matrix3& R) OSTEON_RT {
   const double cos_b = std::hypot(R(0, 0), R(1, 0));
   const double b = std::atan2(-R(2, 0), cos_b) / kDegree;
@@ -119,8 +121,8 @@ RsiAccept RsiSession::Accept(std::span<const std::uint8_t> datagram, rt::Nanosec
   return result;
 }
 
-// Writes an accepted message into `state`. RSI sends no quality, safety state, drive state or mode: as it
-// runs only while the arm is in motion under position control, constants stand for them.
+// Writes an accepted message into `state`. RSI sends no connection quality, safety state, drive state or
+// mode. It runs only while the arm moves under position control, so these fields are constants.
 void RsiSession::PutMessage(const RsiRobotMessage& message, rt::Nanoseconds stamp,
                             control::ArmState& state) OSTEON_RT {
   const bool settling = in_session_ <= static_cast<std::uint32_t>(params_.settle_messages);
@@ -148,7 +150,7 @@ bool RsiSession::IsMessage(std::span<const std::uint8_t> datagram) const OSTEON_
   return !DecodeRobot(datagram, static_cast<std::uint16_t>(RsiElement::kAIPos), message);
 }
 
-// Compares a message's number with those received, and updates the counters of lost messages.
+// Compares a message's IPOC with those received before, and updates the counters of lost messages.
 RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds stamp,
                                             std::uint32_t& ahead) OSTEON_RT {
   // unsigned difference, read as signed: correct if two numbers are less than 2^63 apart
@@ -158,7 +160,7 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   if (!has_last_ || stamp - last_stamp_ > timeout || steps > params_.timeout_cycles || steps <= -kWindow)
     return Order::kFirst;
   if (apart > 0) {
-    // a rise of IPOC by less than a step is accepted as one step
+    // a rise of IPOC by less than ipoc_step is accepted as one step
     ahead = static_cast<std::uint32_t>(std::max<std::int64_t>(1, steps));
     seen_ = ahead < kWindow ? (seen_ << ahead) | 1u : 1u;
     counters_.lost += ahead - 1;
@@ -171,9 +173,9 @@ RsiSession::Order RsiSession::CheckSequence(std::uint64_t ipoc, rt::Nanoseconds 
   return Order::kLate;
 }
 
-// Returns the controller's period [s]: the configured cycle, or the measured one if that deviates by the
-// factor kOtherPeriod. It is measured once per session: at the hand-over, or after kPeriodMessages intervals
-// if later.
+// Returns the controller's period [s]: the configured cycle, or the measured interval if the two differ by at
+// least the factor kOtherPeriod. The interval is measured once per session: when settling ends, or after
+// kPeriodMessages intervals if that is later.
 double RsiSession::Period_s(rt::Nanoseconds stamp) OSTEON_RT {
   const auto settled = static_cast<std::uint32_t>(params_.settle_messages);
   if (in_session_ == std::max(settled, kPeriodMessages) + 1) {
@@ -205,11 +207,11 @@ void RsiSession::BeginSession(const RsiRobotMessage& message) OSTEON_RT {
   if (!joined_late_) ++status_.sessions;
 }
 
-// Computes the controller's sum of corrections after `ahead` cycles, from the rise of Delay. The first of
-// these cycles had an answer if ours was in time. The others certainly had none, since their messages never
-// came.
+// Computes the controller's sum of corrections after `ahead` cycles, from the rise of Delay. Our last answer
+// belongs to the first of these cycles, and may have come in time or too late. The other cycles had no
+// answer, because their messages never reached us.
 void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OSTEON_RT {
-  // Delay keeps counting, or (on other controllers) restarts after an answer in time.
+  // On some controllers Delay only rises; on others an answer in time resets it to 0.
   const std::uint32_t delay_rise = delay >= status_.delay ? delay - status_.delay : delay;
   const bool in_time = awaiting_ && delay_rise < ahead;
   if (in_time) applied_ = sent_;
@@ -224,8 +226,8 @@ void RsiSession::TrackCorrectionSum(std::uint32_t ahead, std::uint32_t delay) OS
   awaiting_ = false;
 }
 
-// Whether a command may move the arm: it names the present activation, and the activation's first command was
-// near the start pose.
+// Whether a command may move the arm: the arm has settled, the command names the present activation, and the
+// activation's first command is within entry_step_deg of the start pose.
 bool RsiSession::MayMove(const control::ArmCommand& command) OSTEON_RT {
   if (in_session_ <= static_cast<std::uint32_t>(params_.settle_messages)) return false;
   if (command.activation != activation_) return false;

@@ -29,7 +29,7 @@ void XmlReader::SkipSpace() OSTEON_RT {
   while (HasMore() && IsSpace(text_[at_])) ++at_;
 }
 
-// Skips begin … end, if that comes next and is complete.
+// If a part that starts with `begin` comes next and its `end` is present, skips it and returns true.
 bool XmlReader::Skip(std::string_view begin, std::string_view end) OSTEON_RT {
   if (!Starts(begin)) return false;
   const std::size_t found = text_.find(end, at_ + begin.size());
@@ -38,7 +38,7 @@ bool XmlReader::Skip(std::string_view begin, std::string_view end) OSTEON_RT {
   return true;
 }
 
-// Reads a name into name_. False if none starts at the next byte.
+// Reads a name into name_. False if the next byte cannot start a name.
 bool XmlReader::ReadName() OSTEON_RT {
   if (!HasMore() || !IsNameStart(text_[at_])) return false;
   const std::size_t begin = at_;
@@ -56,7 +56,7 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
   if (in_tag_) return InTag();
 
   for (;;) {
-    if (depth_ == 0) {  // before the root, or after it
+    if (depth_ == 0) {  // before or after the root element
       SkipSpace();
       while (had_root_ && HasMore() && (text_[at_] == '\0' || IsSpace(text_[at_]))) ++at_;
       if (!HasMore()) return had_root_ ? Event::kEnd : Error();
@@ -87,7 +87,7 @@ XmlReader::Event XmlReader::Next() OSTEON_RT {
   }
 }
 
-// Reads on inside a start tag: its next attribute, or its end.
+// Continues inside a start tag: reads its next attribute, or its end.
 XmlReader::Event XmlReader::InTag() OSTEON_RT {
   const std::size_t before = at_;
   SkipSpace();

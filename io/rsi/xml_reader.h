@@ -25,9 +25,9 @@ class XmlReader {
 
   enum class Event : std::uint8_t {
     kOpen,       ///< name()
-    kAttribute,  ///< name(), value(): of the element opened last
+    kAttribute,  ///< name(), value() of an attribute of the element opened last
     kText,       ///< value(), trimmed, never empty
-    kClose,      ///< name(), also if the element closed itself
+    kClose,      ///< name(); also returned for an element of one tag, <a/>
     kEnd,        ///< the end of a complete message
     kError,      ///< at() gives the place; stays in this state
   };

@@ -1,30 +1,31 @@
 // osteon.h: Osteon's cutting engine for other programs.
 //
-//     OsteonBone ──┐                       own thread: engine, removal, surface
+//     OsteonBone ──┐                       threads of its own: engine, removal, surface
 //                  ├─▶ OsteonSession ◀──── osteon_session_set_tool_pose   the device's or game's thread
-//     OsteonTool ──┘         └───────────▶ osteon_session_evaluate        the same, or another one: 1 kHz
+//     OsteonTool ──┘         └───────────▶ osteon_session_evaluate        that thread or another one: 1 kHz
 //
 // C11, no dependency. Units are SI unless a name says otherwise (_mm). Frames: everything is in the bone's
 // frame G, right-handed; the tool's frame T has its origin at the apex and +z along the feed. Quaternions are
 // w x y z and need not be normalised.
 //
 // Results. Every function that can fail returns an OsteonResult. osteon_last_error() has the text of the
-// calling thread's last failure: the value, what was found, what is accepted. No exception, no signal and no
-// output crosses this border. A null where the comment does not allow it, or a number that is not finite, is
-// OSTEON_ERROR_ARGUMENT. A call that fails changes nothing, except where its comment says so.
+// calling thread's last failure: the name of the value, what was found, what is accepted. The library raises
+// no signal, prints nothing, and lets no exception through. If an argument is null although the function's
+// comment does not allow it, or a number is not finite, the function returns OSTEON_ERROR_ARGUMENT. A call
+// that fails changes nothing, unless the function's comment says otherwise.
 //
-// Threads. In one session, set_tool_pose may be called by one thread at a time, and so may evaluate; both may
-// be called by the same thread. These two never wait, lock or allocate. All other functions may be called
-// from any thread at any time, and wait for the frame that is being computed.
+// Threads. In one session, one thread at a time may call set_tool_pose, and one thread at a time may call
+// evaluate; these may be two threads or the same one. These two functions never wait, lock or allocate. All
+// other functions may be called from any thread at any time, and wait for the frame that is being computed.
 //
-// Functions of one guidance belong to one thread at a time, and never wait, lock or allocate, but for create
-// and destroy. Guidances share nothing.
+// One thread at a time may call the functions of one guidance. They never wait, lock or allocate, except
+// create and destroy. Different guidances share no data, so different threads may use them.
 //
-// Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances do.
+// Lifetime. Bones and tools may be destroyed while sessions use them, plans while guidances use them.
 // osteon_session_destroy joins the session's threads. The library detects neither a second destroy nor a
-// call with a destroyed object: these are errors of the caller. Once a process has made anything, the child
-// of a fork() gets OSTEON_ERROR_FORK from each create and each function of a session: it starts a program
-// anew (exec, spawn).
+// call with a destroyed object: these are errors of the caller. If a process has made an object of this
+// library and then calls fork(), every create function and every function of a session returns
+// OSTEON_ERROR_FORK in the child. The child must start a new program instead (exec, spawn).
 #pragma once
 
 #include <stddef.h>
@@ -55,15 +56,15 @@ typedef enum OsteonResult {
   OSTEON_ERROR_FILE = -2,     /* a file that cannot be read or written, or has a defect */
   OSTEON_ERROR_MEMORY = -3,   /* no memory */
   OSTEON_ERROR_DEVICE = -4,   /* no such GPU, it was lost, or it cannot hold bone and tool */
-  OSTEON_ERROR_STATE = -5,    /* not now: the text says what has to happen first */
-  OSTEON_ERROR_ABI = -6,      /* header and library do not fit */
+  OSTEON_ERROR_STATE = -5,    /* not possible now: the text says what has to happen first */
+  OSTEON_ERROR_ABI = -6,      /* header and library have different ABIs */
   OSTEON_ERROR_FORK = -7,     /* called in a forked child */
   OSTEON_ERROR_BUFFER = -8,   /* a buffer is smaller than the worst case that its comment names */
   OSTEON_ERROR_INTERNAL = -9  /* a defect of the library; please report the text */
 } OsteonResult;
 
 typedef enum OsteonEngine {
-  OSTEON_ENGINE_AUTO = 0, /* Vulkan where there is a GPU, else the processor */
+  OSTEON_ENGINE_AUTO = 0, /* Vulkan if there is a GPU, else the processor */
   OSTEON_ENGINE_CPU = 1,
   OSTEON_ENGINE_VULKAN = 2
 } OsteonEngine;
@@ -80,7 +81,7 @@ typedef struct OsteonTwist {
   double angular_rad_per_s[3];
 } OsteonTwist;
 
-/* On the tool, at T's origin, in G. */
+/* Wrench on the tool, at T's origin, in G. */
 typedef struct OsteonWrench {
   double force_N[3];
   double torque_Nm[3];
@@ -138,7 +139,7 @@ OSTEON_API OsteonResult osteon_bone_params_init(uint32_t abi, OsteonBoneParams* 
  * OSTEON_ERROR_FILE: no such scene, mesh, packing or folder, or one with a defect; OSTEON_ERROR_ARGUMENT:
  * balls, site or scale out of range, or more than one source. */
 OSTEON_API OsteonResult osteon_bone_create(uint32_t abi, const OsteonBoneParams* params, OsteonBone** bone);
-/* Gives the bone up; sessions that were made of it keep what they need. Null is allowed. */
+/* Destroys the bone; sessions that use it keep what they need. Null is allowed. */
 OSTEON_API void osteon_bone_destroy(OsteonBone* bone);
 /* The assumptions that made a solid of a mesh that bounds none: its defects (open edges, …) and how they were
  * mended, one line, UTF-8; "" if there were none, and for null. Valid as long as the bone. Show it to a
@@ -159,7 +160,7 @@ typedef struct OsteonBoneInfo {
 /* Fills info with the bone's figures before anything is cut: they never change. Neither pointer may be null.
  * Any thread; takes some milliseconds (it sums over the mass points). */
 OSTEON_API OsteonResult osteon_bone_info(const OsteonBone* bone, OsteonBoneInfo* info);
-/* Name of a material, for the indices of OsteonVertex; null where there is no such index. Valid as long as
+/* Name of a material, for the indices of OsteonVertex; null if there is no such index. Valid as long as
  * the bone. */
 OSTEON_API const char* osteon_bone_material(const OsteonBone* bone, uint32_t index);
 /* Colour of a material in shaded pictures: red, green, blue as sRGB, 0 … 255. The table for a mesh's vertex
@@ -189,7 +190,7 @@ OSTEON_API OsteonResult osteon_tool_params_init(uint32_t abi, OsteonToolParams* 
 /* Makes a tool, which never changes and may serve many sessions; takes some milliseconds.
  * abi: OSTEON_ABI. params: not null. tool: not null; receives the new tool, null on failure. */
 OSTEON_API OsteonResult osteon_tool_create(uint32_t abi, const OsteonToolParams* params, OsteonTool** tool);
-/* Gives the tool up; sessions that use it keep what they need. Null is allowed. */
+/* Destroys the tool; sessions that use it keep what they need. Null is allowed. */
 OSTEON_API void osteon_tool_destroy(OsteonTool* tool);
 /* The tool's usual spindle speed [rad/s]; 0 for a tool of balls, or null. */
 OSTEON_API double osteon_tool_spindle_rad_per_s(const OsteonTool* tool);
@@ -301,17 +302,17 @@ OSTEON_API OsteonResult osteon_session_next_event(OsteonSession* session, Osteon
 OSTEON_API OsteonResult osteon_session_change_tool(OsteonSession* session, const OsteonTool* tool,
                                                    const OsteonPose* pose);
 
-/* --- what gives way: tool, tissue, mount -----------------------------------------------------------------
+/* --- compliance of tool, tissue and mount ----------------------------------------------------------------
  */
 
-/* Which parts give way, each by itself (docs/compliance.md). With all three off, nothing gives way. */
+/* Compliance of each part (docs/compliance.md). With all three off, nothing yields. */
 typedef struct OsteonComplianceParams {
   uint32_t tool;     /* 1: the tool bends as `bending` of its file says */
   uint32_t layer;    /* 1: soft tissue on the surface yields as the bone's materials say */
   uint32_t mount;    /* 1: the bone moves on the mount below */
   uint32_t reserved; /* 0 */
   double period_s;  /* between two calls of osteon_session_evaluate, which moves these parts: 0.1 … 20 ms */
-  double push_N;    /* greatest thrust along the feed, by which a thin tool is softer */
+  double push_N;    /* largest thrust along the feed; a thin tool is softer under it */
   double noticed_m; /* a displacement beyond it is reported: 1 um … 0.1 m */
   double mount_point_m[3]; /* centre of the mount's stiffness, in G; the triples below are along G's axes */
   double mount_mass_kg;
@@ -327,8 +328,8 @@ typedef struct OsteonComplianceParams {
  * osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_compliance_params_init(uint32_t abi, OsteonComplianceParams* params);
 
-/* From the next osteon_session_evaluate on, these parts give way, from rest; the force fades in as after a
- * change of tool. params: null, or all off: nothing gives way. The poses that a caller passes stay those of
+/* From the next osteon_session_evaluate on, these parts are compliant, from rest; the force fades in as after
+ * a change of tool. params: null, or all off: nothing yields. The poses that a caller passes stay those of
  * the rigid tool in G, where the bone rested; the bone's figures, events and surface stay in the bone, which
  * is drawn at OsteonDeflection.bone. Refuses a tool or a bone whose files do not say how they give way, and
  * what would not be stable with settings.stiffness_N_per_m, naming the value that is needed. The hand's part
@@ -338,8 +339,8 @@ OSTEON_API OsteonResult osteon_session_set_compliance(uint32_t abi, OsteonSessio
                                                       const OsteonComplianceParams* params);
 
 typedef struct OsteonDeflection {
-  OsteonPose head;                 /* of the bent tool in the bone: what the engine is given */
-  OsteonPose bone;                 /* of the bone in G: where to draw it */
+  OsteonPose head;                 /* pose of the bent tool in the bone, which the engine uses */
+  OsteonPose bone;                 /* pose of the bone in G, at which to draw it */
   double bend_m[3], bend_rad[3];   /* of the tool's head, in T */
   double layer_m[3];               /* of the tissue at the contact, in the bone */
   double mount_m[3], mount_rad[3]; /* of the bone at the mount's point, pads included, in G */
@@ -359,7 +360,7 @@ OSTEON_API OsteonResult osteon_session_deflection(OsteonSession* session, Osteon
 /* --- save, restore, undo ---------------------------------------------------------------------------------
  */
 
-/* Remembers the bone as it is, for osteon_session_undo; the oldest of more than 16 is forgotten. Waits for
+/* Marks the present bone for osteon_session_undo; the oldest of more than 16 is forgotten. Waits for
  * the surface. */
 OSTEON_API OsteonResult osteon_session_mark(OsteonSession* session);
 /* Returns to the last mark and forgets it. `pose` is where the tool is: it must be free of the bone that
@@ -410,8 +411,8 @@ typedef struct OsteonSurfaceBuffers {
 } OsteonSurfaceBuffers;
 
 /* Copies the chunks that changed after `*generation`, the longest unchanged first, and moves *generation on;
- * begin with 0. A chunk without vertices has gone. Chunks change at most 30 times a second. Several callers
- * may each have a generation of their own. No pointer may be null, nor any of the three buffers.
+ * begin with 0. A chunk without vertices was removed. Chunks change at most 30 times a second. Several
+ * callers may each have a generation of their own. No pointer may be null, nor any of the three buffers.
  * OSTEON_ERROR_BUFFER: less room than for one chunk; OSTEON_ERROR_STATE: a session without a surface, or its
  * surface could not be made; OSTEON_ERROR_ARGUMENT: a generation of another session. Any thread; no frame
  * waits for it. */
@@ -451,7 +452,7 @@ OSTEON_API OsteonResult osteon_plan_params_init(uint32_t abi, OsteonPlanParams* 
 /* Reads a plan, which never changes. abi: OSTEON_ABI. params: not null. plan: not null; receives it, null on
  * failure. OSTEON_ERROR_FILE: no such plan or rubric, or one with a defect. Any thread. */
 OSTEON_API OsteonResult osteon_plan_create(uint32_t abi, const OsteonPlanParams* params, OsteonPlan** plan);
-/* Gives the plan up; guidances that were made of it keep what they need. Null is allowed. */
+/* Destroys the plan; guidances that use it keep what they need. Null is allowed. */
 OSTEON_API void osteon_plan_destroy(OsteonPlan* plan);
 
 typedef struct OsteonCupAngles {
@@ -479,8 +480,8 @@ OSTEON_API OsteonResult osteon_plan_info(const OsteonPlan* plan, OsteonPlanInfo*
 
 typedef struct OsteonReamer {
   double diameter_m;
-  double center_m[3]; /* planned place of the head's centre, in G */
-  double apex_m[3];   /* planned place of T's origin, in G */
+  double center_m[3]; /* planned position of the head's centre, in G */
+  double apex_m[3];   /* planned position of T's origin, in G */
 } OsteonReamer;
 
 /* A reamer of the plan's sequence, by its index: 0 … reamer_count - 1 (OsteonPlanInfo), else
@@ -495,7 +496,7 @@ typedef struct OsteonGuidanceParams {
   uint32_t reserved;        /* 0 */
   double gain;              /* 0 … 1; negative: the plan's own */
   double max_force_N;       /* of guidance and the other wrench together: above 0, at most 200 */
-  double max_torque_Nm;     /* likewise: above 0, at most 20 */
+  double max_torque_Nm;     /* of both together: above 0, at most 20 */
   double max_speed_m_per_s; /* of the tool: above 0. A force that grows faster than it allows is a jump */
   double period_s;          /* between two calls of osteon_guidance_evaluate: above 0, at most 0.1 */
 } OsteonGuidanceParams;
@@ -506,7 +507,7 @@ OSTEON_API void osteon_guidance_params_default(OsteonGuidanceParams* params);
 /* Fills params as osteon_guidance_params_default does; otherwise as osteon_bone_params_init. */
 OSTEON_API OsteonResult osteon_guidance_params_init(uint32_t abi, OsteonGuidanceParams* params);
 /* Makes the guidance of one reamer: a funnel, a cone of tilt and a depth (docs/theory/guidance.md).
- * OSTEON_ERROR_STATE where the plan has none. params: null for the defaults. */
+ * OSTEON_ERROR_STATE if the plan has none. params: null for the defaults. */
 OSTEON_API OsteonResult osteon_guidance_create(uint32_t abi, const OsteonPlan* plan,
                                                const OsteonGuidanceParams* params, OsteonGuidance** guidance);
 /* Ends a guidance. No other call on it may run. Null is allowed. */
@@ -515,13 +516,13 @@ OSTEON_API void osteon_guidance_destroy(OsteonGuidance* guidance);
 typedef struct OsteonGuidanceOutput {
   OsteonWrench wrench;   /* to add to the wrench passed as `other` */
   double cone_rad;       /* how far the tool is outside: angle beyond the free cone; <= 0: inside */
-  double lateral_m;      /* outside of the funnel; <= 0: inside */
-  double depth_m;        /* deeper than planned; <= 0: not */
-  double share;          /* of the guidance that is rendered, 0 … 1 */
+  double lateral_m;      /* distance outside the funnel; <= 0: inside */
+  double depth_m;        /* how much deeper than planned; <= 0: not deeper */
+  double share;          /* share of the guidance that is rendered, 0 … 1 */
   double potential_J;    /* energy that the guidance could still give, at share 1 */
   double energy_J;       /* energy given so far; never above -share potential_J (within rounding) */
   uint32_t inside;       /* 1: inside of everything, no wrench */
-  uint32_t stop_spindle; /* 1: beyond a stop of the plan; until the tool is inside of everything */
+  uint32_t stop_spindle; /* 1: beyond a stop of the plan, until the tool is inside of everything */
   uint32_t jumped;   /* 1: the force would have grown faster than max_speed_m_per_s explains; the wrench is
                         zero, and the guidance begins anew */
   uint32_t reserved; /* 0 */
@@ -572,7 +573,7 @@ typedef struct OsteonScoreItem {
   double weight, points;
 } OsteonScoreItem;
 
-/* Measures the bone as it is and scores it by the plan's rubric; takes about 0.1 s, and the engine waits only
+/* Measures the present bone and scores it by the plan's rubric; takes about 0.1 s, and the engine waits only
  * while the state is copied. The plan must be for this bone. Time, path and hand force are the caller's: they
  * have no score in the shipped rubric, and are not measured.
  * items: room for item_capacity rows of the score; null: none. item_count: receives how many the rubric has

@@ -1,7 +1,7 @@
 // osteon_host.h: helpers for a game engine's plug-in in C++: a session in the engine's axes and units
 // (osteon_host_axes.h), and the carved surface brick by brick; osteon_host_plan.h has plans and guidance.
-// Header alone, C++17, no exception of its own; every failure is an OsteonResult, its text
-// osteon_last_error().
+// Header-only, C++17, throws no exception of its own. Every failure is returned as an OsteonResult;
+// osteon_last_error() has its text.
 #pragma once
 
 #include <array>
@@ -15,28 +15,32 @@
 namespace osteon {
 namespace host {
 
-/// A brick's mesh in the host's axes and unit; no vertex: the brick has gone.
+/// A brick's mesh in the host's axes and unit. If it has no vertices, the brick was removed.
 struct Brick {
   std::uint32_t number{0};
   std::vector<float> positions, normals;  ///< x y z of each vertex
-  std::vector<std::uint8_t> colors;   ///< red green blue of each vertex, sRGB; a cut face is 0.85 as bright
-  std::vector<std::int32_t> indices;  ///< three per triangle, in the order that the host shows from outside
+  /// red green blue of each vertex, sRGB; on a cut face multiplied by 0.85
+  std::vector<std::uint8_t> colors;
+  /// three per triangle, in the order for which the host draws the outside
+  std::vector<std::int32_t> indices;
 };
 
-/// The displacements of the parts that give way, in the host's axes and unit.
+/// The displacements of the compliant parts (tool, tissue layer, bone mount), in the host's axes and unit.
 struct Deflection {
-  Pose head;                    ///< of the bent tool's head in the bone
-  Pose bone;                    ///< where to draw the bone
+  Pose head;                    ///< pose of the bent tool's head relative to the bone
+  Pose bone;                    ///< pose at which to draw the bone
   Vector bend{}, bend_rad{};    ///< displacement of the tool's head, along the tool's axes
   Vector layer{};               ///< displacement of the tissue at the contact
   Vector mount{}, mount_rad{};  ///< displacement of the bone at the mount's point
   Vector mount_per_s{}, mount_rad_per_s{};
-  bool gives_way{false};     ///< in the last Evaluate; false: nothing gives way, and all above is at rest
-  bool noticed{false};       ///< a displacement beyond noticed_m
-  bool beyond_limit{false};  ///< the caller should stop
+  /// compliance was on in the last Evaluate; false: it was off, and all displacements are zero
+  bool gives_way{false};
+  bool noticed{false};       ///< a displacement is larger than noticed_m
+  bool beyond_limit{false};  ///< a displacement is larger than its limit: the caller should stop
 };
 
-/// Converts the mount's point and triples to the host's axes; stiffness and inertia of an axis have no sign.
+/// Converts the mount's point and its values by axis to the host's axes. Stiffness and inertia about an axis
+/// do not change their sign if the axis is mirrored.
 inline OsteonComplianceParams ComplianceToHost(const Axes& axes, const OsteonComplianceParams& params) {
   OsteonComplianceParams host = params;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -90,7 +94,7 @@ struct SessionParams {
   OsteonEngine engine = OSTEON_ENGINE_AUTO;
 };
 
-/// A bone, a tool and their session, in the axes of a host. Threads as in osteon.h.
+/// A bone, a tool and their session, in the axes of a host. The rules for threads are those of osteon.h.
 class Session {
  public:
   explicit Session(const Axes& axes) : axes_(axes) {}
@@ -98,11 +102,11 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Closes what was open first.
+  /// Closes an open session first.
   OsteonResult Open(const SessionParams& params) {
     Close();
     const OsteonResult result = Create(params);
-    if (result != OSTEON_OK) Close();  // keeps the text of the failure
+    if (result != OSTEON_OK) Close();  // Close leaves osteon_last_error() unchanged
     return result;
   }
 
@@ -119,14 +123,15 @@ class Session {
 
   bool IsOpen() const { return session_ != nullptr; }
   const Axes& axes() const { return axes_; }
-  /// For the functions of osteon.h that this class does not have; null while no session is open.
+  /// The session, for functions of osteon.h that this class does not wrap; null while no session is open.
   OsteonSession* session() const { return session_; }
-  /// Null while no session is open.
+  /// The bone; null while no session is open.
   const OsteonBone* bone() const { return bone_; }
   /// The tool's usual spindle speed [rad/s].
   double spindle_rad_per_s() const { return osteon_tool_spindle_rad_per_s(tool_); }
 
-  /// As osteon_bone_approach. @param height_m  in metres
+  /// Returns a pose of the tool that points into the site, as osteon_bone_approach. @param height_m  height
+  /// of the apex over the site's centre; always in metres
   OsteonResult Approach(double height_m, Pose* pose) const {
     OsteonPose approach;
     const OsteonResult result = osteon_bone_approach(bone_, height_m, &approach);
@@ -134,22 +139,23 @@ class Session {
     return result;
   }
 
-  /// Wait-free.
+  /// Passes a pose to the engine's thread. Wait-free.
   OsteonResult SetToolPose(const Pose& pose, double spindle_rad_per_s) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     return osteon_session_set_tool_pose(session_, &X, spindle_rad_per_s);
   }
 
-  /// In lockstep.
+  /// Computes one frame, for a session in lockstep.
   OsteonResult Step(const Pose& pose, double spindle_rad_per_s, double dt_s) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     return osteon_session_step(session_, &X, spindle_rad_per_s, dt_s);
   }
 
-  /// The wrench on a tool at rest. Wait-free; zero on failure.
+  /// Computes the wrench on a tool at rest. Wait-free; the wrench is zero on failure.
   OsteonResult Evaluate(const Pose& pose, Wrench* wrench) { return Evaluate(pose, Twist(), wrench); }
 
-  /// The wrench on a tool that moves: the coupling's damping counts. Wait-free; zero on failure.
+  /// Computes the wrench on a moving tool, which includes the coupling's damping. Wait-free; the wrench is
+  /// zero on failure.
   OsteonResult Evaluate(const Pose& pose, const Twist& twist, Wrench* wrench) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     const OsteonTwist V = TwistFromHost(axes_, twist);
@@ -159,7 +165,8 @@ class Session {
     return result;
   }
 
-  /// Collision-free pose of the tool in the newest frame; OSTEON_EMPTY before the first one.
+  /// Gets the collision-free pose of the tool in the newest frame. Returns OSTEON_EMPTY before the first
+  /// frame.
   OsteonResult Proxy(Pose* pose) {
     OsteonFigures figures;
     const OsteonResult result = osteon_session_figures(session_, &figures);
@@ -176,13 +183,13 @@ class Session {
   /// Saves the carved bone as osteon_session_save does.
   OsteonResult Save(const char* file) { return osteon_session_save(session_, file); }
 
-  /// Returns to a saved bone; the tool, at `pose`, must be free of it.
+  /// Returns to a saved bone. The tool's pose must be free of the saved bone.
   OsteonResult Restore(const char* file, const Pose& pose) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     return osteon_session_restore(session_, file, &X);
   }
 
-  /// Changes to another tool, at `pose`, which must be free of bone; on failure the earlier tool stays.
+  /// Changes to another tool at `pose`, which must be free of bone. On failure the earlier tool stays in use.
   /// @param name  null: "reamer"   @param diameter_m  0: the tool's usual one
   OsteonResult ChangeTool(const char* name, double diameter_m, const char* config_folder, const Pose& pose) {
     OsteonTool* tool = nullptr;
@@ -195,8 +202,8 @@ class Session {
     return result;
   }
 
-  /// As osteon_compliance_params_init, in the host's axes: the mount's point in metres along them, its
-  /// triples along them as well.
+  /// Fills in the default parameters, as osteon_compliance_params_init, but with the mount's point and its
+  /// values by axis along the host's axes. The point stays in metres.
   OsteonResult DefaultCompliance(OsteonComplianceParams* params) const {
     OsteonComplianceParams defaults;
     const OsteonResult result = osteon_compliance_params_init(OSTEON_ABI, &defaults);
@@ -204,7 +211,8 @@ class Session {
     return result;
   }
 
-  /// From the next Evaluate on these parts give way. @param params  as DefaultCompliance has them
+  /// Turns on the compliance of the chosen parts from the next Evaluate on. @param params  in the axes of
+  /// DefaultCompliance
   OsteonResult SetCompliance(const OsteonComplianceParams& params) {
     const OsteonComplianceParams given = ComplianceFromHost(axes_, params);
     return osteon_session_set_compliance(OSTEON_ABI, session_, &given);
@@ -314,7 +322,7 @@ class Session {
   OsteonBone* bone_{nullptr};
   OsteonTool* tool_{nullptr};
   OsteonSession* session_{nullptr};
-  std::uint64_t generation_{0};  // of the newest chunk taken (osteon_session_surface_changes)
+  std::uint64_t generation_{0};  // generation up to which chunks were copied (osteon_session_surface_changes)
   std::vector<std::array<std::uint8_t, 3>> colors_;  // red green blue of each material
   std::vector<OsteonChunk> chunks_;
   std::vector<OsteonVertex> vertices_;

@@ -1,4 +1,4 @@
-// osteon_host_axes.h: a host's axes and units. Header alone, C++17.
+// osteon_host_axes.h: conversion to a host's axes and units. Header-only, C++17.
 //
 //     p_host = units_per_m · P · p        places, velocities
 //     d_host = P · d                      directions, forces (N)
@@ -24,7 +24,7 @@ using Quaternion = std::array<double, 4>;
 
 struct Pose {
   Vector position{0.0, 0.0, 0.0};              ///< in the host's unit
-  Quaternion orientation{1.0, 0.0, 0.0, 0.0};  ///< any length but 0
+  Quaternion orientation{1.0, 0.0, 0.0, 0.0};  ///< any length except 0
 };
 
 /// Axes and unit of a host.
@@ -32,11 +32,11 @@ struct Axes {
   std::array<std::size_t, 3> from;
   std::array<double, 3> sign;
   double units_per_m;
-  /// Direction of (b - a) × (c - a), computed by components, for a triangle that the host shows from outside:
-  /// 1 outward, -1 inward. Osteon's triangles: 1.
+  /// Order of the corners a, b, c of a triangle that the host draws from outside: 1 if (b - a) × (c - a),
+  /// computed by components in the host's axes, points outward, -1 if inward. For Osteon's triangles it is 1.
   int front;
 
-  /// 1: right-handed as Osteon; -1: left-handed.
+  /// Returns 1 for right-handed axes (as Osteon's), -1 for left-handed axes.
   constexpr int Determinant() const {
     const bool is_cyclic = (from[0] + 1) % 3 == from[1] && (from[1] + 1) % 3 == from[2];
     return (is_cyclic ? 1 : -1) * (sign[0] * sign[1] * sign[2] > 0.0 ? 1 : -1);
@@ -46,11 +46,12 @@ struct Axes {
 };
 
 inline constexpr Axes kOsteon{{0, 1, 2}, {1.0, 1.0, 1.0}, 1.0, 1};
-/// Right-handed, +y up, metres; shows triangles that are clockwise.
+/// Godot: right-handed, +y up, metres; the corners of a visible triangle are clockwise.
 inline constexpr Axes kGodot{{0, 2, 1}, {1.0, 1.0, -1.0}, 1.0, -1};
-/// Left-handed, +y up, metres. Its plug-in is in C#; here for comparison.
+/// Unity: left-handed, +y up, metres. Unity's plug-in is in C# and has these values itself; they are here for
+/// comparison.
 inline constexpr Axes kUnity{{0, 2, 1}, {1.0, 1.0, 1.0}, 1.0, 1};
-/// Left-handed, +z up, centimetres; shows triangles that are counter-clockwise.
+/// Unreal: left-handed, +z up, centimetres; the corners of a visible triangle are counter-clockwise.
 inline constexpr Axes kUnreal{{0, 1, 2}, {1.0, -1.0, 1.0}, 100.0, -1};
 
 inline Vector DirectionToHost(const Axes& axes, const Vector& v) {
@@ -73,7 +74,7 @@ inline Vector PositionFromHost(const Axes& axes, const Vector& p) {
   return Scaled(DirectionFromHost(axes, p), 1.0 / axes.units_per_m);
 }
 
-/// Torques and angular velocities.
+/// Converts torques and angular velocities.
 inline Vector AxialToHost(const Axes& axes, const Vector& v) {
   return Scaled(DirectionToHost(axes, v), axes.Determinant());
 }
@@ -104,8 +105,8 @@ inline OsteonPose PoseFromHost(const Axes& axes, const Pose& pose) {
   return {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
 }
 
-/// Returns the rotation of a matrix, given by its rows, which may contain a positive scale. If it cannot be a
-/// rotation, returns {0, 0, 0, 0}, which every function of osteon.h refuses.
+/// Returns the rotation of a matrix that is given by its rows. The matrix may also contain a positive scale.
+/// If it is sheared or mirrored, returns {0, 0, 0, 0}, which every function of osteon.h refuses.
 inline Quaternion RotationOf(const std::array<Vector, 3>& rows) {
   std::array<Vector, 3> m = rows;
   for (std::size_t column = 0; column < 3; ++column) {
@@ -161,8 +162,9 @@ inline OsteonWrench WrenchFromHost(const Axes& axes, const Wrench& wrench) {
 
 /// Velocity of the tool at its apex, in the host's axes.
 struct Twist {
-  Vector linear{0.0, 0.0, 0.0};             ///< in the host's unit per second
-  Vector angular_rad_per_s{0.0, 0.0, 0.0};  ///< the velocity of a point r from the apex gains angular × r
+  Vector linear{0.0, 0.0, 0.0};  ///< in the host's unit per second
+  /// a point at r from the apex has the velocity linear + angular × r
+  Vector angular_rad_per_s{0.0, 0.0, 0.0};
 };
 
 inline OsteonTwist TwistFromHost(const Axes& axes, const Twist& twist) {

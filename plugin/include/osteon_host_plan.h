@@ -1,5 +1,5 @@
-// osteon_host_plan.h: a surgical plan in a host's axes: where the cup goes, the guidance of a hand along it,
-// and the score of what was reamed. Header alone, C++17; failures as in osteon_host.h.
+// osteon_host_plan.h: a surgical plan in a host's axes: the planned cup, the guidance of a hand along the
+// plan, and the score of the result. Header-only, C++17; failures are reported as in osteon_host.h.
 #pragma once
 
 #include <cstddef>
@@ -18,21 +18,21 @@ struct PlanParams {
 };
 
 struct PlanInfo {
-  Vector cup_center{};     ///< planned, in the host's axes and unit
+  Vector cup_center{};     ///< planned centre, in the host's axes and unit
   Vector cup_axis{};       ///< unit, out of the opening
-  Vector native_center{};  ///< NaN if the plan has none
-  OsteonPlanInfo values;   ///< angles, diameter, numbers; its places are in Osteon's axes
+  Vector native_center{};  ///< centre of the hip before the operation; NaN if the plan has none
+  OsteonPlanInfo values;   ///< angles, diameter, numbers; positions in it are in Osteon's axes and metres
 };
 
 struct Reamer {
   double diameter_m{0.0};
-  Vector center{};  ///< planned place of the head's centre, in the host's axes and unit
-  Vector apex{};    ///< planned place of the tool's origin
+  Vector center{};  ///< planned position of the head's centre, in the host's axes and unit
+  Vector apex{};    ///< planned position of the tool's apex
 };
 
 struct Assessment {
-  OsteonAssessment values;             ///< figures; its centre is in Osteon's axes
-  Vector center{};                     ///< of the fitted sphere, in the host's axes and unit
+  OsteonAssessment values;             ///< all figures; the centre in it is in Osteon's axes and metres
+  Vector center{};                     ///< centre of the fitted sphere, in the host's axes and unit
   std::vector<OsteonScoreItem> items;  ///< the rubric's rows
 };
 
@@ -86,7 +86,7 @@ class Plan {
     return result;
   }
 
-  /// Measures a session's bone as it is, beside this plan; takes about 0.1 s.
+  /// Compares a session's bone in its present state with this plan; takes about 0.1 s.
   OsteonResult Assess(const Session& session, Assessment* assessment) const {
     std::size_t count = 0;
     assessment->items.resize(kMaxItems);
@@ -107,12 +107,12 @@ class Plan {
 };
 
 struct Guided {
-  Wrench wrench;                ///< to add to that of Session::Evaluate
-  OsteonGuidanceOutput values;  ///< shares, distances, flags; its wrench is in Osteon's axes
+  Wrench wrench;                ///< wrench of the guidance, to be added to the wrench of Session::Evaluate
+  OsteonGuidanceOutput values;  ///< shares, distances, flags; the wrench in it is in Osteon's axes
 };
 
-/// The guidance that holds a hand to a plan with one of its reamers. One thread at a time; wait-free except
-/// for Open and Close.
+/// The guidance that keeps a hand to a plan, for one of the plan's reamers. One thread at a time; wait-free
+/// except for Open and Close.
 class Guidance {
  public:
   explicit Guidance(const Axes& axes) : axes_(axes) {}
@@ -120,7 +120,7 @@ class Guidance {
   Guidance(const Guidance&) = delete;
   Guidance& operator=(const Guidance&) = delete;
 
-  /// Closes what was open first. @param params  from osteon_guidance_params_init
+  /// Closes an open guidance first. @param params  filled by osteon_guidance_params_init
   OsteonResult Open(const Plan& plan, const OsteonGuidanceParams& params) {
     Close();
     return osteon_guidance_create(OSTEON_ABI, plan.plan(), &params, &guidance_);
@@ -133,8 +133,8 @@ class Guidance {
 
   bool IsOpen() const { return guidance_ != nullptr; }
 
-  /// Call it once per period. @param other  the wrench that is rendered in addition; at the force limit it
-  /// takes precedence over the guidance
+  /// Call it once per period. @param other  the wrench that is rendered besides the guidance (that of the
+  /// bone); at the force limit it takes precedence over the guidance
   OsteonResult Evaluate(const Pose& pose, const Twist& twist, const Wrench& other, Guided* guided) {
     const OsteonPose X = PoseFromHost(axes_, pose);
     const OsteonTwist V = TwistFromHost(axes_, twist);

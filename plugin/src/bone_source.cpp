@@ -30,8 +30,9 @@ using simulation::Bone;
 using simulation::CutSite;
 using simulation::MassPoint;
 
-constexpr double kPointSpacing_m = 0.75e-3;  // between the mass points of balls that a caller gives
-constexpr double kMaxPoints = 50e6;          // grid cells in a caller's balls, overlaps counted twice
+// distance between the mass points that are made for a caller's balls
+constexpr double kPointSpacing_m = 0.75e-3;
+constexpr double kMaxPoints = 50e6;  // most grid cells in a caller's balls; cells in two balls count twice
 constexpr double kMaxSiteRadius_m = 10.0;
 constexpr std::size_t kMaxBalls = 100'000'000;
 
@@ -189,8 +190,8 @@ BoneSource MakeBone(const OsteonBoneParams& params) {
 
 namespace {
 
-// Loads a tool in this size; 0: the size of its file. If there is no such size, the error names diameter_m,
-// and the sizes that there are, in mm as in the tool's file.
+// Loads a tool in the given size; 0: the size in the tool's file. If the tool has no such size, the error
+// names diameter_m and the sizes that the tool has, in mm as in its file.
 config::ToolConfig LoadSized(const std::filesystem::path& file, double diameter_m) try {
   return config::LoadTool(file, diameter_m == 0.0 ? std::nullopt : std::optional(diameter_m));
 } catch (const config::ToolSizeError& error) {

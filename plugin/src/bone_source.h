@@ -16,20 +16,23 @@ namespace osteon::plugin {
 /// Content of an OsteonBone; never changes.
 struct BoneSource {
   simulation::Bone bone;
-  std::shared_ptr<const simulation::Solid> solid;  ///< from which the bone was packed; null: unknown
+  std::shared_ptr<const simulation::Solid> solid;  ///< solid from which the bone was packed; null: unknown
   simulation::SceneEventParams events;
-  std::string warning{};  ///< assumptions made about a mesh that bounds no solid, one line; empty: none
+  /// one line with the assumptions made for a mesh that does not bound a solid; empty: none
+  std::string warning{};
 };
 
 /// Content of an OsteonTool; never changes.
 struct ToolSource {
   simulation::Tool tool;
-  std::optional<simulation::ToolCompliance> compliance{};  ///< how it bends; absent: it counts as rigid
-  double relaxation_s{0.0};                                ///< time constant of its bending
+  /// how the tool bends; absent: the tool is treated as rigid
+  std::optional<simulation::ToolCompliance> compliance{};
+  double relaxation_s{0.0};  ///< time constant of its bending
   double spindle_rad_per_s{0.0};
 };
 
-/// @throws Failure, or another exception that Guarded() turns into a code.
+/// Makes a bone from a caller's parameters. @throws Failure, or another exception that Guarded() turns into a
+/// code.
 [[nodiscard]] BoneSource MakeBone(const OsteonBoneParams& params);
 [[nodiscard]] ToolSource MakeTool(const OsteonToolParams& params);
 

@@ -21,7 +21,7 @@ Vector3 Triple(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 void CopyTo(double (&to)[3], const PlainVector3& from) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
 
-/// @throws std::invalid_argument if a value is out of range.
+/// Returns the parameters of the bone's mount. @throws std::invalid_argument if a value is out of range.
 control::BoneMountParams MountOf(const OsteonComplianceParams& params) {
   control::BoneMountParams mount;
   mount.p_WMo_m = Triple(params.mount_point_m);
@@ -36,7 +36,7 @@ control::BoneMountParams MountOf(const OsteonComplianceParams& params) {
   return mount;
 }
 
-/// @throws Failure with the refusal's key, after `prefix`, and its text, if there is a refusal.
+/// @throws Failure if there is a refusal, with `prefix`, the refused key and the refusal's text.
 void ThrowRefusal(const char* prefix, const std::optional<config::ComplianceRefusal>& refusal) {
   if (refusal)
     throw Failure(OSTEON_ERROR_ARGUMENT, fmt::format("{}{}: {}", prefix, refusal->key, refusal->text));

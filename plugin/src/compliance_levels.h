@@ -12,20 +12,21 @@ namespace osteon::plugin {
 
 /// Displacements after a tick of osteon_session_evaluate. Plain data.
 struct Deflected {
-  std::uint32_t begun{0};  ///< value of Session::beginnings_ to which the displacements belong
+  std::uint32_t begun{0};  ///< value of Session::beginnings_ (bone, tool and compliance in use) for which the
+                           ///< displacements were computed
   bool noticed{false}, beyond_limit{false};
-  control::ComplianceRecord record;  ///< present: something gives way
+  control::ComplianceRecord record;  ///< displacements of the compliant parts
 };
 
-/// The coupling between tool and bone that a session has.
+/// Figures of a session's coupling between tool and bone on which compliance depends.
 struct CouplingFigures {
   double stiffness_N_per_m{0.0};
-  double engaged_layer_m{0.0};  ///< of the engine's cutting parameters
+  double engaged_layer_m{0.0};  ///< from the engine's cutting parameters
 };
 
-/// Makes the compliance that a caller asked for, at rest; nothing if the caller asked for none.
-/// @throws Failure naming the value, what was found and what is accepted, for a tool whose file has no
-///   `bending`, a bone without soft tissue, and figures that would not be stable (docs/theory/compliance.md,
+/// Makes the compliance that a caller asked for, at rest; returns nothing if the caller asked for none.
+/// @throws Failure naming the value, what was found and what is accepted, if the tool's file has no
+/// `bending`, the bone has no soft tissue, or the figures would not be stable (docs/theory/compliance.md,
 ///   rules 1 and 3).
 [[nodiscard]] std::optional<control::Compliance> MakeCompliance(const OsteonComplianceParams& params,
                                                                 const BoneSource& bone,

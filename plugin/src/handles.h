@@ -10,7 +10,7 @@
 #include "plugin/src/result.h"
 #include "plugin/src/session.h"
 
-// The objects behind the interface's pointers.
+// The objects to which the pointers of osteon.h lead.
 
 struct OsteonBone {
   std::shared_ptr<const osteon::plugin::BoneSource> source;
@@ -36,7 +36,7 @@ namespace osteon::plugin {
 inline constexpr const char* kForked =
     "the process was forked: found a call in the child, accepted in the process that made the session";
 
-/// Fills a caller's struct, if the caller's header is of this library's ABI.
+/// Fills a caller's struct if the caller was compiled with this library's ABI; otherwise fails.
 template <class Params>
 OsteonResult Init(std::uint32_t abi, Params* params, void (*fill)(Params*)) noexcept {
   return Guarded([&] {

@@ -14,7 +14,7 @@
 #include "simulation/bone/material_style.h"
 #include "simulation/solids/cup_frame.h"
 
-// The interface's functions: each checks its arguments, and turns exceptions into codes.
+// The functions of osteon.h: each checks its arguments, and turns exceptions into result codes.
 
 using osteon::Pose;
 using osteon::Vector3;
@@ -29,8 +29,9 @@ using osteon::plugin::Session;
 using osteon::plugin::ToolSource;
 using osteon::plugin::WithSession;
 
-// In every later library, osteon_*_default must fill no more than the structs of ABI 1 hold. If a struct
-// grows, its _default function still fills the first layout, and its _init function the new one.
+// Programs compiled with ABI 1 call osteon_*_default with structs of these sizes, so these functions must
+// never write more. If a struct grows, its _default function still fills the layout of ABI 1, and its _init
+// function the new layout.
 static_assert(sizeof(OsteonBoneParams) == 120 && sizeof(OsteonToolParams) == 48 &&
                   sizeof(OsteonSettings) == 56,
               "osteon_*_default fill the structs of ABI 1");
@@ -141,7 +142,7 @@ OsteonResult osteon_bone_approach(const OsteonBone* bone, double height_m, Osteo
     CheckPointer(pose, "pose");
     if (!(std::abs(height_m) <= 1.0))
       throw Failure(OSTEON_ERROR_ARGUMENT, "height_m: found a number outside, accepted -1 … 1");
-    Pose X_CT = Pose::Identity();  // the tool looks against the site's axis
+    Pose X_CT = Pose::Identity();  // the tool points into the bone, against the site's axis
     X_CT.linear() = Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()).toRotationMatrix();
     X_CT.translation().z() = height_m;
     *pose = osteon::plugin::FromPose(osteon::simulation::CupPose(bone->source->bone.site) * X_CT);

@@ -1,6 +1,6 @@
 #include "plugin/src/handles.h"
 
-// The interface's functions for the parts that give way (compliance).
+// The functions of osteon.h for compliance of tool, soft tissue and bone mount.
 
 using osteon::plugin::CheckPointer;
 using osteon::plugin::Guarded;

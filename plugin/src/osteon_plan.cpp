@@ -6,7 +6,7 @@
 #include "plugin/src/convert.h"
 #include "plugin/src/handles.h"
 
-// The interface's functions for plans, guidance and assessment.
+// The functions of osteon.h for plans, guidance and assessment.
 
 using osteon::Pose;
 using osteon::Twist;
@@ -18,7 +18,7 @@ using osteon::plugin::Guarded;
 using osteon::plugin::Session;
 using osteon::plugin::WithSession;
 
-// As in osteon.cpp: osteon_*_default must fill no more than the structs of ABI 1 hold.
+// osteon_*_default must never write more than the structs of ABI 1 hold (see osteon.cpp).
 static_assert(sizeof(OsteonPlanParams) == 24 && sizeof(OsteonGuidanceParams) == 48,
               "osteon_*_default fill the structs of ABI 1");
 

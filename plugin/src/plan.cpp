@@ -50,7 +50,7 @@ control::GuidanceParams GuidanceParamsOf(const PlanSource& plan, const OsteonGui
   return *guidance;
 }
 
-/// The planned cup's angles by one of the three definitions.
+/// Returns the planned cup's angles by one of the three definitions.
 OsteonCupAngles AnglesIn(procedure::CupDefinition definition, const procedure::SurgicalPlan& plan) {
   const procedure::CupAngles angles = procedure::AnglesOf(definition, plan.pelvis.FromG(plan.axis_G));
   return {.inclination_rad = angles.inclination_rad, .anteversion_rad = angles.anteversion_rad};
@@ -108,14 +108,16 @@ GuidanceTick::GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& p
 
 OsteonGuidanceOutput GuidanceTick::Evaluate(const Pose& X_GT, const Twist& V_GT,
                                             const Wrench& other) noexcept {
-  constexpr control::CouplingParams kCoupling;  // its default ages: no cell's file changes them here
-  // falls with the model's age at once, rises within ramp_s
+  // fades by the default ages, because there is no cell file that could change them
+  constexpr control::CouplingParams kCoupling;
+  // the fade falls at once with the model's age, and rises to 1 within ramp_s at the fastest
   fade_ = std::min(safety::AgeFade(model_age_s_, kCoupling.fresh_s, kCoupling.gone_s),
                    fade_ + period_s_ / kCoupling.ramp_s);
   const double proposed = guidance_.ProposeScale({.X_WT = X_GT, .V_WT = V_GT, .model_fade = fade_});
   const control::GuidanceField& field = guidance_.field();
   const Wrench& F = field.F_T_W;
-  // The sum of both wrenches is compared with the limit exactly as the servo loop does, to the same rounding.
+  // Whether the sum of `other` and this share of the guidance's wrench is within the limits, computed with
+  // the same rounding as in the servo loop.
   const auto fits = [&](double share) {
     return limiter_.Limit({.f = other.f + share * F.f, .t = other.t + share * F.t}).share >= 1.0;
   };
@@ -145,7 +147,7 @@ OsteonAssessment AssessmentOf(const procedure::Assessment& found, double axis_er
   OsteonAssessment result{};
   result.score = score;
   result.axis_error_rad = axis_error_rad;
-  // without a fitted sphere these stay unknown
+  // these figures are unknown without a fitted sphere
   for (double* each :
        {&result.diameter_m, &result.diameter_sd_m, &result.center_m[0], &result.center_m[1],
         &result.center_m[2], &result.form_p95_m, &result.medial_m, &result.superior_m, &result.posterior_m,
@@ -192,7 +194,7 @@ std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score) {
 
 procedure::Score ScoreOfCavity(const PlanSource& plan, const procedure::Assessment& assessment) {
   procedure::MetricValues values = procedure::ValuesOf(plan.config.plan, assessment);
-  // figures of the operation, which a session does not record
+  // remove the figures of time, path and hand, which a session does not record
   for (const char* process :
        {"time", "cutting_time", "path", "force_mean", "force_peak", "wrong_way", "outside", "tremor"})
     values.erase(process);

@@ -18,24 +18,25 @@ struct PlanSource {
   procedure::Rubric rubric;
 };
 
-/// @throws Failure, or another exception that Guarded() turns into a code.
+/// Makes a plan from a caller's parameters. @throws Failure, or another exception that Guarded() turns into a
+/// code.
 [[nodiscard]] PlanSource MakePlan(const OsteonPlanParams& params);
 [[nodiscard]] OsteonPlanInfo InfoOf(const PlanSource& plan);
-/// @throws Failure if the plan has no reamer of this index.
+/// Returns the plan's reamer with this index. @throws Failure if there is none.
 [[nodiscard]] const procedure::PlannedTool& ReamerAt(const PlanSource& plan, std::uint32_t index);
 
-/// Content of an OsteonGuidance: the servo loop's own guidance, with the bone's frame as the world. One
-/// thread at a time.
+/// Content of an OsteonGuidance: the same guidance as in the servo loop, with the bone's frame as the world.
+/// One thread at a time.
 class GuidanceTick {
  public:
-  /// @throws Failure where the plan has no guidance, or a value is out of range.
+  /// @throws Failure if the plan has no guidance, or a value is out of range.
   GuidanceTick(const PlanSource& plan, const OsteonGuidanceParams& params);
 
-  /// Computes one tick. @param other  the wrench that is rendered in addition; finite
+  /// Computes one tick. @param other  the wrench that is rendered besides the guidance; finite
   [[nodiscard]] OsteonGuidanceOutput Evaluate(const Pose& X_GT, const Twist& V_GT,
                                               const Wrench& other) noexcept;
   void SetGain(double gain) noexcept { guidance_.SetGain(gain); }
-  /// @param age_s  of the contact model, at least 0
+  /// @param age_s  age of the contact model, at least 0
   void SetModelAge(double age_s) noexcept { model_age_s_ = age_s; }
   void Reset() noexcept { guidance_.Reset(); }
 
@@ -43,7 +44,7 @@ class GuidanceTick {
   control::Guidance guidance_;
   safety::WrenchLimiter limiter_;
   double period_s_;
-  double model_age_s_{0.0}, fade_{1.0};  // fade_: factor by the model's age, as that of VirtualCoupling
+  double model_age_s_{0.0}, fade_{1.0};  // fade_: factor 0 … 1 on the guidance by the model's age
 };
 
 /// Converts an assessment and its score to the interface's struct.
@@ -51,7 +52,8 @@ class GuidanceTick {
                                             double score);
 [[nodiscard]] std::vector<OsteonScoreItem> ItemsOf(const procedure::Score& score);
 
-/// Scores the figures that a session knows: those of the bone, without those of time, path and hand.
+/// Scores the figures of the bone. A session does not record time, path and hand, so these figures have no
+/// points.
 [[nodiscard]] procedure::Score ScoreOfCavity(const PlanSource& plan, const procedure::Assessment& assessment);
 
 }  // namespace osteon::plugin

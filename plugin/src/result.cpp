@@ -18,7 +18,8 @@
 namespace osteon::plugin {
 namespace {
 
-// Plain bytes: a thread that ends has nothing to destroy, so the library can be unloaded before it does.
+// The text is an array of bytes, which needs no destructor. Therefore the library can be unloaded before the
+// threads that called it end.
 constexpr std::size_t kTextSize = 1024;
 thread_local std::array<char, kTextSize> last_error{};
 
@@ -80,7 +81,7 @@ void CheckAbi(std::uint32_t abi) {
 }
 
 void CheckProcess() {
-  // the first process that calls this: a forked child inherits its number
+  // number of the first process that called this; a forked child inherits the value
   static std::atomic<pid_t> first_user{0};
   const pid_t self = getpid();
   pid_t user = 0;

@@ -3,18 +3,18 @@
 #include <filesystem>
 #include <string>
 
-// The two files of a saved bone: FILE, the carved bone, and FILE.swept, its surface.
+// A saved bone consists of two files: FILE has the carved state, FILE.swept has the carved surface.
 
 namespace osteon::plugin {
 
 /// Returns the name FILE.swept.
 [[nodiscard]] std::filesystem::path SweptFileOf(const std::string& file);
 
-/// @throws Failure if the name is empty, or is that of something other than a regular file.
+/// @throws Failure if the name is empty, or names something other than a regular file.
 void CheckSaveName(const std::filesystem::path& file);
 
-/// The file for the surface of a saved bone. It has a temporary name until Commit renames it to FILE.swept.
-/// Without Commit it is removed, and an earlier FILE.swept stays.
+/// The file with a saved bone's surface. It is written under a temporary name, and Commit renames it to
+/// FILE.swept. Without Commit the file is removed, and an earlier FILE.swept stays.
 class SweptPart {
  public:
   explicit SweptPart(const std::string& saved);

@@ -30,12 +30,12 @@ namespace {
 using simulation::CarvedState;
 using simulation::EngineStatus;
 
-constexpr std::size_t kMaxMarks = 16;    // for undo; a further mark replaces the oldest
-constexpr std::size_t kMaxEvents = 256;  // waiting for next_event; later ones go to the log alone
-// In lockstep, frames between two waits for the surface's thread: half of its ring.
+constexpr std::size_t kMaxMarks = 16;    // most marks for undo; a further mark replaces the oldest
+constexpr std::size_t kMaxEvents = 256;  // most events that wait for next_event; further ones are only logged
+// In lockstep, number of frames between two waits for the surface's thread: half the size of its ring.
 constexpr std::uint64_t kFramesAhead = 2048;
 constexpr double kMaxFrame_s = 0.1;       // longest time for which a single frame may cut
-constexpr double kMaxOverlap_m = 0.1e-3;  // a tool that is less deep in bone counts as free
+constexpr double kMaxOverlap_m = 0.1e-3;  // a tool that is no deeper in bone counts as free
 
 const char* EngineName(std::uint32_t engine) {
   switch (engine) {
@@ -57,7 +57,7 @@ double Checked(const char* name, double value, double most) {
   return value;
 }
 
-/// How deep a tool at this pose is in the bone's balls [m]; 0: it is free.
+/// Depth of a tool at this pose in the bone's balls [m]; 0: the tool is free.
 double Overlap(const CarvedState& state, const simulation::Tool& tool, const Pose& X_GT) {
   return std::max(0.0, -simulation::ToolClearance(state, tool, X_GT));
 }
@@ -73,7 +73,7 @@ OsteonEvent EventOf(const simulation::SceneEvent& event, std::uint64_t frame) {
   return result;
 }
 
-/// Text of the reason why the engine computes no frame; null if it does.
+/// Why the engine computes no frames, as a text; null if it computes frames.
 const char* FailureText(EngineStatus status) {
   if (status == EngineStatus::kDeviceLost) return "the GPU was lost: destroy the session";
   if (status == EngineStatus::kOverloaded)
@@ -151,14 +151,14 @@ void Session::Loop() {
   while (!stop_.load(std::memory_order_relaxed)) {
     const simulation::ToolCommand command = commands_.Load();
     const rt::Nanoseconds start = rt::MonotonicNow();
-    // sleep without a new pose, or while another thread needs the engine
+    // sleep if there is no new pose, or if another thread needs the engine
     if (command.stamp == done_stamp || waiting_.load() > 0) {
       rt::SleepUntil(start + 50'000);  // 50 us: poses come about once a millisecond
       continue;
     }
     const std::lock_guard lock(engine_mutex_);
     done_stamp = command.stamp;
-    if (command.stamp <= continued_) continue;  // the pose is older than the change of tool or bone
+    if (command.stamp <= continued_) continue;  // the pose is older than the last change of tool or bone
     const double dt_s = last_stamp_ == 0 ? 0.0 : rt::ToSeconds(command.stamp - last_stamp_);
     ComputeFrame(command, std::clamp(dt_s, 0.0, kMaxFrame_s));
     const rt::Nanoseconds end = rt::MonotonicNow();
@@ -186,7 +186,8 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
   models_.Store(newest_);
   if (surface_) {
     (void)surface_->Push(surface::MakeToolFrame(newest_, command.spindle_rad_per_s));
-    // In lockstep nothing else keeps the frames from outrunning the surface.
+    // In lockstep frames are computed without pauses and could fill the ring of the surface's thread, so wait
+    // for that thread now and then.
     if (is_lockstep_ && newest_.frame % kFramesAhead == 0) WaitForSurface();
   }
   if (newest_.status != EngineStatus::kOk) {
@@ -196,7 +197,7 @@ void Session::ComputeFrame(const simulation::ToolCommand& command, double dt_s) 
     }
     return;
   }
-  // the axis of the tool in use, weighted by the volume that each frame removed
+  // add the tool's axis in this frame, weighted by the volume that the frame removed
   if (const double new_m3 = newest_.removed_volume_m3 - removed_m3; new_m3 > 0.0) {
     if (std::exchange(axis_of_tool_before_, false)) axis_ = {};
     axis_.Add(Pose(newest_.X_WP).linear().col(2), new_m3);
@@ -316,7 +317,8 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
                     "move the tool out first",
                     1e3 * overlap_m));
   auto engine = MakeEngine(*tool);
-  engine->Restore(simulation::WithoutContact(std::move(saved.state)));  // the tool begins where it is
+  // no contact of the saved state is kept: the tool starts at its present pose
+  engine->Restore(simulation::WithoutContact(std::move(saved.state)));
   const rt::Nanoseconds now = is_lockstep_ ? clock_.load() : rt::MonotonicNow();
   const simulation::ContactModel first = engine->Step({.X_WT = X_GT, .dt_s = 0.0, .stamp = now});
   if (first.status != EngineStatus::kOk)
@@ -343,7 +345,7 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   axis_of_tool_before_ = false;
   min_wall_m_ = saved.min_wall_m;
   newest_ = first;
-  in_bone_at_start_m_ = 0.0;  // the session begins at this pose, which is free
+  in_bone_at_start_m_ = 0.0;  // the session continues at this pose, which is free of bone
   models_.Store(newest_);
   UseLevels(levels);
   last_stamp_ = continued_ = now;
@@ -403,7 +405,8 @@ void Session::Save(const std::string& file) {
     const EngineLock lock(*this);
     saved = Remember();
   }
-  // the surface gets its name last: where the bone cannot be written, an earlier pair of files stays
+  // The surface's file gets its final name last, so that an earlier pair of files stays if the bone cannot be
+  // written.
   const SweptPart part(file);
   if (surface_) {
     if (const auto written = surface::WriteSweptField(part.file(), *saved.swept, SurfaceLayout()); !written)

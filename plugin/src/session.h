@@ -30,11 +30,11 @@ namespace osteon::plugin {
 ///
 ///     SetToolPose ──LatestValue──▶ engine's thread ──LatestValue──▶ Evaluate
 ///          ▲                             └──ring──▶ surface's thread ──▶ SurfaceMailbox
-///          └────LatestValue: Deflected, where something gives way────────┘ (Evaluate)
+///          └────LatestValue: Deflected, if compliance is on──────────────┘ (Evaluate)
 ///
 /// SetToolPose's thread writes the commands, and the engine's thread reads them. The engine's thread writes
-/// the models (in lockstep: Step's thread), and Evaluate's thread reads them. All other data are under
-/// engine_mutex_, which the engine's thread holds while it computes a frame.
+/// the models (in lockstep: Step's thread), and Evaluate's thread reads them. All other data are guarded by
+/// engine_mutex_, which the engine's thread locks while it computes a frame.
 class Session {
  public:
   /// @throws Failure, or another exception that Guarded() turns into a code.
@@ -44,20 +44,21 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// @param pose  usable
+  /// Passes a pose to the engine's thread. @param pose  one for which IsUsable is true
   void SetToolPose(const OsteonPose& pose, double spindle_rad_per_s) noexcept;
-  /// @param pose, twist  usable. @returns the limited wrench.
+  /// @param pose, twist  checked to be usable  @returns the wrench on the tool, within the limits
   [[nodiscard]] Wrench Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexcept;
 
   void Step(const Pose& X_GT, double spindle_rad_per_s, double dt_s);
   [[nodiscard]] OsteonFigures Figures();
   [[nodiscard]] std::optional<OsteonEvent> NextEvent();
 
-  /// As osteon_session_set_compliance says. @param params  null: nothing gives way
+  /// Sets the compliance of tool, tissue and mount (osteon_session_set_compliance). @param params  null: no
+  /// compliance
   void SetCompliance(const OsteonComplianceParams* params);
   [[nodiscard]] OsteonDeflection Deflection();
 
-  /// As osteon_session_set_log says.
+  /// Sets the function that receives log messages (osteon_session_set_log).
   void SetLog(OsteonLogCallback callback, void* user);
 
   void ChangeTool(std::shared_ptr<const ToolSource> tool, const Pose& X_GT);
@@ -66,11 +67,11 @@ class Session {
   void Save(const std::string& file);
   void Restore(const std::string& file, const Pose& X_GT);
 
-  /// Compares the bone as it is with a plan. The result has no figures of the process.
+  /// Compares the bone in its present state with a plan. The result has no figures of time, path and hand.
   /// @throws Failure if the plan is for another bone.
   [[nodiscard]] procedure::Assessment Assess(const procedure::SurgicalPlan& plan);
 
-  /// @throws Failure if the session has no surface.
+  /// The newest meshes of the surface. @throws Failure if the session has no surface.
   [[nodiscard]] const SurfaceMailbox& mailbox() const;
   void WaitForSurface();
   [[nodiscard]] OsteonSurfaceInfo ExportSurface(const std::string& file);
@@ -81,93 +82,97 @@ class Session {
   [[nodiscard]] bool is_forked() const noexcept { return getpid() != process_; }
 
  private:
-  /// A state of the carved bone, to return to.
+  /// A state of the carved bone that the session can return to.
   struct Saved {
     simulation::CarvedState state;
     std::optional<surface::BrickField> swept;
     procedure::ReamedAxis axis;
     std::optional<double> min_wall_m;
   };
-  /// Locks the engine between two frames: the engine's thread leaves the lock free while anybody waits for
-  /// it.
+  /// Locks the engine between two frames. The engine's thread does not take the lock while another thread
+  /// waits for it.
   class EngineLock;
 
-  /// The engine's thread: computes a frame for each new pose until stop_.
+  /// Runs in the engine's thread: computes a frame for each new pose until stop_ is set.
   void Loop();
-  /// Computes one frame and hands it to Evaluate, the surface, the events and the log. Computes none while
-  /// the first pose is in bone. Under the engine's lock.
+  /// Computes one frame and passes it to Evaluate, the surface, the events and the log. Computes no frame as
+  /// long as the first pose is in bone. Call it under the engine's lock.
   void ComputeFrame(const simulation::ToolCommand& command, double dt_s);
-  /// Thinnest wall that any tool has left. Under the engine's lock.
+  /// Thickness of the thinnest wall that any tool has left. Call it under the engine's lock.
   [[nodiscard]] std::optional<double> MinWall() const;
-  /// The pose to give to the engine: that of the bent head, relative to the bone on its mount. Called by the
-  /// thread of SetToolPose or of Step.
+  /// Returns the pose for the engine: the pose of the bent tool's head relative to the bone on its mount.
+  /// Called by the thread of SetToolPose or of Step.
   [[nodiscard]] Pose InBone(const Pose& X_GT) noexcept;
-  using Levels = const control::Compliance*;  // the parts that give way, at rest; null: nothing gives way
-  /// Makes the requested levels for this tool. Under the engine's lock.
+  using Levels = const control::Compliance*;  // the compliant parts, at rest; null: no compliance
+  /// Makes the requested compliance for this tool. Call it under the engine's lock.
   /// @throws Failure as MakeCompliance.
   [[nodiscard]] Levels LevelsFor(const ToolSource& tool);
-  /// Hands levels to Evaluate, whose next call starts from rest with them. Under the engine's lock.
+  /// Passes compliance to Evaluate; the next call of Evaluate starts with it from rest. Call it under the
+  /// engine's lock.
   void UseLevels(Levels levels) noexcept;
   /// @throws Failure if the engine computes no frames: it has failed, or the first pose is in bone.
   void CheckDevice() const;
-  /// Under the engine's lock. Exceptions of the callback end here.
+  /// Passes a message to the caller's log function. Call it under the engine's lock. Exceptions of the log
+  /// function are caught.
   void Log(OsteonLogLevel level, const std::string& text) const;
   [[nodiscard]] std::string InBoneText() const;
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
-  /// Calls SurfaceThread::Apply. Only with a surface.
+  /// Calls SurfaceThread::Apply. Call it only if the session has a surface.
   /// @throws Failure if the surface's thread has failed; otherwise the exceptions of `change`.
   void ApplyToSurface(const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change);
-  /// Waits until the surface has all frames. Call it before taking the engine's lock, so that no frame waits
-  /// for the start of a large mesh.
+  /// Waits until the surface's thread has taken all frames. Call it before locking the engine: otherwise
+  /// frames would be delayed while a large mesh is sampled for the first time.
   void AwaitField();
-  /// The surface's grid, which does not change. Only with a surface.
+  /// The surface's grid, which does not change. Call it only if the session has a surface.
   [[nodiscard]] surface::BrickLayout SurfaceLayout();
-  /// Copies the present state. Under the engine's lock.
+  /// Copies the present state. Call it under the engine's lock.
   [[nodiscard]] Saved Remember();
-  /// Continues at a saved state with `tool` at X_GT. Under the engine's lock. An exception changes nothing.
+  /// Continues from a saved state with `tool` at X_GT. Call it under the engine's lock. If it throws, nothing
+  /// has changed.
   void Continue(std::shared_ptr<const ToolSource> tool, Saved saved, const Pose& X_GT);
 
   const std::shared_ptr<const BoneSource> bone_;
   const bool is_lockstep_;
-  const pid_t process_;  // that made the session
+  const pid_t process_;  // process that made the session
   const safety::WrenchLimiter limiter_;
   control::CouplingParams coupling_;
   simulation::CuttingParams cutting_;
   std::string engine_text_;
-  std::string engine_name_, device_;  // as osteon::session::EngineChoice has them
+  std::string engine_name_, device_;  // as in osteon::session::EngineChoice
 
   rt::LatestValue<simulation::ToolCommand> commands_;
   rt::LatestValue<simulation::ContactModel> models_;
   std::atomic<bool> spindle_on_{false};
-  std::atomic<rt::Nanoseconds> clock_{1};     // the time in lockstep
-  std::atomic<std::uint32_t> beginnings_{0};  // counts changes of the bone, the tool and the levels
-  // of the thread of Evaluate
+  std::atomic<rt::Nanoseconds> clock_{1};     // present time in lockstep
+  std::atomic<std::uint32_t> beginnings_{0};  // number of changes of bone, tool or compliance
+  // used only by the thread of Evaluate
   control::CouplingState coupling_state_;
   std::optional<control::Compliance> compliance_;
-  std::uint32_t begun_{0};  // value of beginnings_ that Evaluate works with
-  // what gives way: handed to Evaluate, and from it
+  std::uint32_t begun_{0};  // value of beginnings_ at which Evaluate last started from rest
+  // levels_: compliance passed to Evaluate; for_poses_, for_figures_: displacements passed from Evaluate
   rt::LatestValue<Levels> levels_{nullptr};
   rt::LatestValue<Deflected> for_poses_, for_figures_;
 
   std::mutex engine_mutex_;
   std::atomic<int> waiting_{0};  // threads that wait for an EngineLock or hold one
-  // under engine_mutex_
+  // guarded by engine_mutex_:
   std::shared_ptr<const ToolSource> tool_;
   std::unique_ptr<simulation::CuttingEngine> engine_;
   std::optional<simulation::ApexDepth> depth_;
   std::optional<simulation::SceneWatch> watch_;
   simulation::ContactModel newest_;
-  procedure::ReamedAxis axis_;        // axis of the tool that cut last
-  bool axis_of_tool_before_{false};   // the tool in use has cut nothing yet
+  procedure::ReamedAxis axis_;  // axis of the tool that cut last
+  // axis_ is that of an earlier tool, because the tool in use has cut nothing yet
+  bool axis_of_tool_before_{false};
   std::optional<double> min_wall_m_;  // thinnest wall that earlier tools have left
   double frame_time_s_{0.0};
-  double in_bone_at_start_m_{0.0};  // depth of the tool in bone at a first pose that is not free
-  rt::Nanoseconds last_stamp_{0};   // of the newest frame's pose
+  double in_bone_at_start_m_{0.0};  // depth of the tool in bone at the first pose; 0: that pose was free
+  rt::Nanoseconds last_stamp_{0};   // stamp of the newest frame's pose
   rt::Nanoseconds continued_{0};    // time of the last change of tool or bone
   std::deque<OsteonEvent> events_;
   std::deque<Saved> marks_;
   std::optional<OsteonComplianceParams> asked_;  // the requested compliance
-  // Evaluate may read each of them until the session ends
+  // every compliance made so far, because Evaluate may still read it until the session ends
   std::vector<std::unique_ptr<const control::Compliance>> all_levels_;
   OsteonLogCallback log_{nullptr};
   void* log_user_{nullptr};

@@ -7,8 +7,8 @@
 #include "plugin/src/engine_lock.h"
 #include "plugin/src/session.h"
 
-// The part of a session that handles compliance: the wrench, the pose for the engine, the parts that give
-// way.
+// The part of a session that handles compliance: it computes the wrench and the pose for the engine, and
+// makes the compliant parts.
 
 namespace osteon::plugin {
 
@@ -40,7 +40,7 @@ Wrench Session::Evaluate(const OsteonPose& pose, const OsteonTwist& twist) noexc
                                                                     .spindle_turns = spindle_turns},
                                                                    coupling_state_);
   const safety::LimitedWrench limited = limiter_.Limit(compliance_->OnTool(output.F_T_W, X_GT));
-  // the contact planes' share of the limited wrench moves the parts that give way
+  // the compliant parts are moved by the wrench of the contact planes, scaled as the limited wrench was
   const Wrench& planes = output.F_contact_T_W;
   compliance_->Step({.f = limited.share * planes.f, .t = limited.share * planes.t}, model, X_GT);
   Deflected deflected{.begun = begun_,

@@ -23,7 +23,7 @@ constexpr std::array<const char*, 2> kRequiredFolders{"scenes", "tools"};
 
 bool HasRequiredFolders(const fs::path& config) { return config::HasFolders(config, kRequiredFolders); }
 
-// Path of the library that holds this code; empty if the system does not know it.
+// Path of the library file that contains this code; empty if the system cannot tell.
 fs::path LibraryFile() {
   Dl_info info{};
   std::error_code ignored;

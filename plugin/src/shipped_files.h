@@ -8,15 +8,15 @@
 
 namespace osteon::plugin {
 
-/// The folder of scenes/, materials/ and tools/: the given one; else $OSTEON_ROOT/config; else, of the
-/// folders above this library, the nearest with config/ (a checkout) or share/osteon/config/ (an
-/// installation).
-/// @param given  null: none
+/// Finds the folder that contains scenes/, materials/ and tools/: the given folder; else $OSTEON_ROOT/config;
+/// else config/ (a checkout) or share/osteon/config/ (an installation) in the nearest folder above this
+/// library that has one of them.
+/// @param given  the caller's folder; null: none
 /// @throws Failure if there is none.
 [[nodiscard]] std::filesystem::path ConfigFolder(const char* given);
 
 /// Finds a shipped file by its name, or a file by its path. @param kind  "scenes", "tools"
-/// @throws Failure with what was looked for, and the names that there are.
+/// @throws Failure naming the file that was looked for, and the existing names.
 [[nodiscard]] std::filesystem::path FindShipped(const std::filesystem::path& config, const std::string& kind,
                                                 const std::string& name);
 

@@ -16,7 +16,7 @@ using surface::Vec3;
 static_assert(surface::kMaxChunkVertices == OSTEON_CHUNK_MAX_VERTICES);
 static_assert(surface::kMaxChunkQuads * 6 == OSTEON_CHUNK_MAX_INDICES);
 
-/// Indices of a chunk's triangles, two for each quad.
+/// Number of indices of a chunk's triangles: each quad gives two triangles.
 std::size_t IndexCount(const SurfaceChunk& chunk) { return chunk.quads.size() / 4 * 6; }
 
 OsteonVertex VertexOf(const SurfaceVertex& v) {
@@ -27,7 +27,8 @@ OsteonVertex VertexOf(const SurfaceVertex& v) {
           .reserved = {}};
 }
 
-/// The two triangles of a quad, cut along its shorter diagonal. @param first  index of its first corner
+/// Returns the two triangles of a quad, divided along its shorter diagonal. @param first  position of the
+/// quad's first corner in chunk.quads
 std::array<std::uint16_t, 6> TrianglesOf(const SurfaceChunk& chunk, std::size_t first) {
   const std::array<std::uint16_t, 4> q{chunk.quads[first], chunk.quads[first + 1], chunk.quads[first + 2],
                                        chunk.quads[first + 3]};
@@ -39,7 +40,7 @@ std::array<std::uint16_t, 6> TrianglesOf(const SurfaceChunk& chunk, std::size_t 
   return {q[0], q[1], q[3], q[1], q[2], q[3]};
 }
 
-/// Appends a chunk to the buffers, which have room for it.
+/// Appends a chunk to the buffers, which must have room for it.
 void Append(const SurfaceChunk& chunk, OsteonSurfaceBuffers& to) {
   to.chunks[to.chunk_count++] = {.brick = chunk.brick,
                                  .first_vertex = static_cast<std::uint32_t>(to.vertex_count),
@@ -52,7 +53,7 @@ void Append(const SurfaceChunk& chunk, OsteonSurfaceBuffers& to) {
     for (const std::uint16_t index : TrianglesOf(chunk, first)) to.indices[to.index_count++] = index;
 }
 
-/// @throws Failure if a pointer is null, or the buffers may be too small for one chunk.
+/// @throws Failure if a pointer is null, or if the buffers are too small for the largest possible chunk.
 void CheckBuffers(const OsteonSurfaceBuffers& buffers) {
   CheckPointer(buffers.chunks, "chunks");
   CheckPointer(buffers.vertices, "vertices");

@@ -15,8 +15,9 @@ class SurfaceMailbox final : public surface::SurfaceSink {
   void Begin(const surface::BrickLayout& layout) override;
   void Publish(std::span<const surface::SurfaceChunk> chunks, std::uint64_t frame) override;
 
-  /// Copies the chunks that changed after `generation`, as osteon_session_surface_changes says.
-  /// @throws Failure if a buffer is null, or has no room for a chunk.
+  /// Copies the chunks that were published after `generation`, and updates `generation`
+  /// (osteon_session_surface_changes).
+  /// @throws Failure if a buffer is null, or is too small for the largest possible chunk.
   void CopyChanges(std::uint64_t& generation, OsteonSurfaceBuffers& buffers) const;
 
  private:
@@ -25,7 +26,7 @@ class SurfaceMailbox final : public surface::SurfaceSink {
     surface::SurfaceChunk chunk;
   };
   mutable std::mutex mutex_;
-  std::vector<Kept> kept_;       // by brick
+  std::vector<Kept> kept_;       // newest chunk of each brick; index: number of the brick
   std::uint64_t generation_{0};  // number of chunks published so far
 };
 

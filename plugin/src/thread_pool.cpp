@@ -7,7 +7,7 @@
 namespace osteon::plugin {
 
 void KeepThreadPoolMapped() {
-  // The handle is never closed, on purpose: with RTLD_NODELETE the pool stays mapped until the process ends.
+  // The handle is never closed, on purpose: RTLD_NODELETE keeps the pool mapped until the process ends.
   static const bool kept = [] {
     constexpr std::array<const char*, 2> kNames{"libtbb.so.12", "libtbb.so.2"};
     for (const char* name : kNames)

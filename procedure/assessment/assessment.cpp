@@ -13,7 +13,7 @@ void AssessBone(const SurgicalPlan& plan, const simulation::Bone& uncut, const s
 
 std::optional<double> AxisError(const SurgicalPlan& plan, const Assessment& assessment) {
   if (!assessment.axis_G) return std::nullopt;
-  // the arctangent of sine and cosine, because the arc cosine alone cannot resolve angles below 1e-8 rad
+  // the arctangent of sine and cosine, because an arccosine cannot resolve angles below 1e-8 rad
   return std::atan2(plan.axis_G.cross(*assessment.axis_G).norm(), plan.axis_G.dot(*assessment.axis_G));
 }
 

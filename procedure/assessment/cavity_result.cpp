@@ -14,10 +14,11 @@ namespace {
 using simulation::Ball;
 
 constexpr int kCoverageDirections = 4000;  // directions of the hemisphere in which coverage is sampled
-// The rim: bone at most this far outside the planned cavity, and at most this far below the plane through the
-// site's centre.
+// The rim: bone at most kRimWidth_m outside the planned cavity, and at most kRimDepth_m below the plane
+// through the site's centre.
 constexpr double kRimWidth_m = 3e-3, kRimDepth_m = 2e-3;
-constexpr double kShrunk_mm = 1e-4;  // a ball that shrank by more counts as cut; rounding is 1e-6 mm
+// a ball whose radius shrank by more counts as cut; rounding changes it by 1e-6 mm
+constexpr double kShrunk_mm = 1e-4;
 
 // Returns the balls that reach into a shell of half thickness `reach_m` around the planned sphere.
 std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& cavity, double reach_m) {
@@ -29,7 +30,8 @@ std::vector<Ball> NearShell(std::span<const Ball> balls, const PlannedCavity& ca
   return near;
 }
 
-// Distance along a ray from `from_m` to where the ray enters a ball, at least `min_m`; infinity if it misses.
+// Distance along a ray from `from_m` to its first point in a ball that is at least `min_m` away; infinity if
+// there is none.
 double EntryDistance(const Vector3& from_m, const Vector3& direction, const Ball& ball, double min_m) {
   const Vector3 way_m = Vector3(ball.center_m) - from_m;
   const double along_m = way_m.dot(direction);
@@ -40,15 +42,15 @@ double EntryDistance(const Vector3& from_m, const Vector3& direction, const Ball
   return std::max(along_m - half_chord_m, min_m);
 }
 
-// Sorts balls into bands of the angle to an axis, as seen from a point. A ray from the point meets only balls
-// of its own band.
+// Sorts balls, as seen from a point, into bands of the angle between their direction and an axis. A ray from
+// the point can meet only balls of the band that contains its direction.
 class BallBands {
  public:
   BallBands(std::span<const Ball> balls, const Vector3& from_m, const Vector3& axis)
       : balls_(balls), from_m_(from_m), axis_(axis), bands_(kBands) {
     for (std::size_t i = 0; i < balls.size(); ++i) {
       const Vector3 way_m = Vector3(balls[i].center_m) - from_m;
-      // half the angle under which the ball is seen; all directions if the point is inside the ball
+      // half of the angle that the ball covers, seen from the point; pi if the point is inside the ball
       const double far_m = way_m.norm(), radius_m = balls[i].radius_m;
       const double half_rad =
           (radius_m < far_m ? std::asin(radius_m / far_m) : std::numbers::pi) + kBandMargin_rad;
@@ -58,7 +60,8 @@ class BallBands {
     }
   }
 
-  // Distance along a ray to the first ball, at least `min_m`; infinity if the ray meets none.
+  // Distance along a ray to its first point in any ball that is at least `min_m` away; infinity if there is
+  // none.
   [[nodiscard]] double FirstBone(const Vector3& direction, double min_m) const {
     double first_m = std::numeric_limits<double>::infinity();
     for (const std::size_t i : bands_[BandAt(AngleOf(direction))])
@@ -83,8 +86,8 @@ class BallBands {
   std::vector<std::vector<std::size_t>> bands_;
 };
 
-// Share of the planned hemisphere's directions in which bone begins within kCoverageGap_m of the planned
-// sphere.
+// Share of the planned hemisphere's directions in which bone begins at the planned sphere, to within
+// kCoverageGap_m.
 double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   const std::vector<Ball> near = NearShell(live, cavity, kCoverageGap_m);
   const BallBands bands(near, cavity.centre_m, cavity.axis);
@@ -95,7 +98,7 @@ double Coverage(const PlannedCavity& cavity, std::span<const Ball> live) {
   return static_cast<double>(covered) / kCoverageDirections;
 }
 
-// Sums a tissue's volume before the cut and what is left of it.
+// Sums a tissue's volume before the cut, and the volume that remains.
 struct RemainingShare {
   double left_m3{0.0}, uncut_m3{0.0};
   void Add(double volume_m3, bool left) {
@@ -122,7 +125,7 @@ bool InRoofArcs(const PelvicFrame& pelvis, const Vector3& native_centre_m, const
   if (across <= 0.0) return d.z() > 0.0;
   // the angle from straight up, split into a medial and a forward component
   const double medial_deg = -angle_deg * d.x() / across, forward_deg = angle_deg * d.y() / across;
-  // 1 at the anterior or posterior end of the arcs
+  // forward component as a fraction of the arc: ±1 at the anterior or posterior end
   const double forward_share = forward_deg / (forward_deg > 0.0 ? kRoofAnterior_deg : kRoofPosterior_deg);
   if (medial_deg <= 0.0) return std::abs(forward_share) <= 1.0 && angle_deg <= 90.0;
   return forward_share * forward_share + std::pow(medial_deg / kRoofMedial_deg, 2) <= 1.0;

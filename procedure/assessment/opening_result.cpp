@@ -11,11 +11,11 @@
 namespace osteon::procedure {
 namespace {
 
-// Edge of the square columns along the axis in which the roof is judged, a little above the mass points'
+// The roof is judged in square columns along the axis. Edge of a column: a little more than the mass points'
 // spacing of 0.2 mm.
 constexpr double kColumn_m = 0.25e-3;
-// Columns at the rim are not judged: mass points cannot tell an opening that is 0.1 mm narrow from one that
-// is right.
+// Columns nearer to the rim than this are not judged, because mass points cannot resolve whether an opening
+// is 0.1 mm too narrow.
 constexpr double kRim_m = 0.2e-3;
 
 // Centroid of points, weighted by their volumes; nothing without a volume.
@@ -34,14 +34,15 @@ class Centroid {
   double volume_m3_{0.0};
 };
 
-// A column within the planned opening: whether it meets the target, had hard tissue, and still has some.
+// A column within the planned opening: whether it contains target tissue, had hard tissue before the cut, and
+// still has hard tissue.
 struct Column {
   bool has_target{false}, had_hard{false}, has_hard_left{false};
   [[nodiscard]] bool is_roof() const { return has_target && had_hard; }
 };
 
-// Height of the floor that the tools left, along the axis from `from_m`: the lowest top of a cut ball [m];
-// nothing if no ball was cut. Cut balls touch the swept space from outside, so no top is below the floor.
+// Height of the floor that the tools left, along the axis from `from_m` [m]: the lowest top of all cut balls.
+// Cut balls touch the swept space from outside, so no top is below the floor. Nothing if no ball was cut.
 std::optional<double> FloorHeight(const simulation::Bone& uncut, const simulation::CarvedState& state,
                                   const Vector3& from_m, const Vector3& axis) {
   std::optional<double> floor_m;

@@ -8,21 +8,21 @@
 
 namespace osteon::procedure {
 
-/// The opening that a session made, compared with the plan. The figures come from the final carved state: its
-/// balls give the depth, its mass points the rest.
+/// The opening at the end of a session, compared with the plan. The depth is computed from the balls of the
+/// final carved state, all other figures from its mass points.
 struct OpeningResult {
-  /// Distance across the axis between the centroid of the hard tissue that was removed and that of the plan
-  /// [m]; nothing: none was removed.
+  /// Distance across the axis between the centroid of the removed hard tissue and the centroid of the hard
+  /// tissue in the planned opening [m]; nothing: no hard tissue was removed.
   std::optional<double> shift_m;
-  /// How much deeper than planned the floor is [m]; negative: not deep enough. Nothing: no ball was cut.
+  /// Depth of the floor minus the planned depth [m]; negative: not deep enough; nothing: no ball was cut.
   std::optional<double> depth_error_m;
-  /// Share of the target's roof, seen along the axis within the planned opening less 0.2 mm at its rim, over
-  /// which no hard tissue is left within the plan; nothing: the planned opening does not meet the target.
+  /// Share of the target's roof (hard tissue above the target, seen along the axis) that has been removed.
+  /// Counted in the planned opening without 0.2 mm at its rim. Nothing: the planned opening has no such roof.
   std::optional<double> unroofed;
 };
 
 /// Measures shift, depth and roof of the opening.
-/// @param plan  for an opening
+/// @param plan  a plan for an opening
 /// @param uncut  the bone before the session
 /// @param state  state of the bone after the session, with its mass points in the same order
 [[nodiscard]] OpeningResult AssessOpening(const SurgicalPlan& plan, const simulation::Bone& uncut,

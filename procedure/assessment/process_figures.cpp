@@ -9,7 +9,7 @@ CorridorExcess ExcessOf(const SurgicalPlan& plan, const PlannedTool& tool, const
                         const Vector3& feed) {
   const GuidanceGains& gains = plan.guidance;
   const Vector3& a = plan.axis_G;
-  // the names of the formulas in the header
+  // the symbols of CorridorExcess's formulas
   const Vector3 off_m = head_m - plan.CentreOf(tool);
   const double h_m = off_m.dot(a), rho_m = (off_m - h_m * a).norm(), psi = gains.lateral.widening_rad;
   return {.tilt_rad = std::acos(std::clamp(-feed.dot(a), -1.0, 1.0)) - gains.cone.free_rad,

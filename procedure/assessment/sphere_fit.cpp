@@ -12,11 +12,12 @@
 namespace osteon::procedure {
 namespace {
 
-constexpr std::size_t kMinBalls = 30;  // to fewer cut balls no sphere is fitted
+constexpr std::size_t kMinBalls = 30;  // no sphere is fitted to fewer cut balls
 constexpr int kMaxSteps = 50;
-constexpr double kConverged_m = 1e-9;  // a step that changes centre and radius by less ends the fit
+constexpr double kConverged_m = 1e-9;  // the fit ends at a step that changes centre and radius by less
 
-// Returns the balls whose near point is below the plane that is perpendicular to the axis at the centre.
+// Returns the balls whose point nearest to the centre is below the plane through the centre perpendicular to
+// the axis.
 std::vector<simulation::Ball> BelowCentre(std::span<const simulation::Ball> balls, const Vector3& axis,
                                           const Vector3& centre_m) {
   std::vector<simulation::Ball> below;
@@ -34,7 +35,7 @@ double GaussNewtonStep(std::span<const simulation::Ball> balls, Vector3& centre_
     const Vector3 way_m = Vector3(ball.center_m) - centre_m;
     const double length_m = way_m.norm();
     if (length_m <= 0.0) continue;
-    Eigen::Vector4d gradient;  // of the residual, by centre and radius
+    Eigen::Vector4d gradient;  // gradient of one residual with respect to centre and radius
     gradient << -way_m / length_m, -1.0;
     A += gradient * gradient.transpose();
     b -= gradient * (length_m - ball.radius_m - radius_m);
@@ -61,7 +62,7 @@ tl::expected<SphereFit, std::string> FitSphere(std::span<const simulation::Ball>
     moved_m = GaussNewtonStep(balls, fit.centre_m, fit.radius_m);
     if (!(moved_m > kConverged_m)) break;
   }
-  // a step of more than 1 µm at the end: the fit has not converged
+  // if the last step was longer than 1 µm, the fit has not converged
   if (!(moved_m <= 1e-6) || !(fit.radius_m > 0.0) || !fit.centre_m.allFinite())
     return tl::make_unexpected("found a cavity that no sphere fits, accepted one that a reamer left");
 

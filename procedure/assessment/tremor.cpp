@@ -36,8 +36,9 @@ void TremorMeter::Add(const Vector3& force_N, double spindle_rad_per_s) {
   spindle_rad_per_s_.erase(spindle_rad_per_s_.begin(), spindle_rad_per_s_.begin() + half);
 }
 
-// Adds the mean square of the newest window between kLow_hz and kHigh_hz. By Parseval's theorem for one-sided
-// lines of a Hann window, it is 2 / (N sum w²) sum |X_k|².
+// Adds the mean square of the newest window between kLow_hz and kHigh_hz. By Parseval's theorem, for the
+// one-sided spectrum of a window with weights w and N samples, it is 2 / (N sum w²) times the sum of |X_k|²
+// over the band.
 void TremorMeter::AddWindow() {
   const auto n = static_cast<double>(window_);
   double weight_squares = 0.0, spindle_rad_per_s = 0.0;
@@ -50,7 +51,7 @@ void TremorMeter::AddWindow() {
   const double line_hz = 1.0 / (n * period_s_);
   for (int k = static_cast<int>(std::ceil(kLow_hz / line_hz)); k * line_hz <= kHigh_hz; ++k) {
     if (IsSpindleHarmonic(k * line_hz, spindle_rad_per_s / kTurn)) continue;
-    // X_k, with the phase factor turned on from sample to sample
+    // X_k as a sum over samples; the phase factor is multiplied by `turn` from sample to sample
     const std::complex<double> turn = std::polar(1.0, -kTurn * k / n);
     std::complex<double> phase = 1.0;
     Eigen::Vector3cd sum = Eigen::Vector3cd::Zero();

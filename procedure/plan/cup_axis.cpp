@@ -30,7 +30,7 @@ Vector3 CupAxis_N(CupDefinition definition, const CupAngles& angles) {
   return Vector3::Zero();
 }
 
-// asin and acos lose half of their digits near 1, so each angle is the arctangent of two legs.
+// asin and acos lose half of their digits near 1, so each angle is computed as an arctangent.
 CupAngles AnglesOf(CupDefinition definition, const Vector3& a_N) {
   const double L = a_N.x(), A = a_N.y(), I = -a_N.z();
   switch (definition) {

@@ -15,25 +15,25 @@
 //   anatomic        acos I        atan2(A, L)   ( sin AI cos AA, sin AI sin AA, -cos AI )
 //
 // Source of the definitions: Murray, The definition and measurement of acetabular orientation, J. Bone Joint
-// Surg. 75-B, 1993. The formulas are derived.
+// Surg. 75-B, 1993. The formulas for a_N follow from these definitions.
 
 namespace osteon::procedure {
 
 enum class CupDefinition : std::uint8_t { kRadiographic, kOperative, kAnatomic };
 
-/// "radiographic", "operative" or "anatomic".
+/// Returns "radiographic", "operative" or "anatomic".
 [[nodiscard]] const char* NameOf(CupDefinition definition);
 
 struct CupAngles {
   double inclination_rad{0.0}, anteversion_rad{0.0};
 };
 
-/// The unit vector a_N of two angles.
+/// Returns the unit vector a_N for two angles.
 [[nodiscard]] Vector3 CupAxis_N(CupDefinition definition, const CupAngles& angles);
 
 /// The two angles of an axis; its length does not matter. Inverse of CupAxis_N for inclinations of 0 … 180°
-/// (operative: -90 … 90°) and anteversions of -90 … 90° (operative and anatomic: -180 … 180°), except where a
-/// definition has no anteversion: the axis straight down (anatomic), straight lateral (operative).
+/// (operative: -90 … 90°) and anteversions of -90 … 90° (operative and anatomic: -180 … 180°), except for
+/// axes for which a definition has no anteversion: straight down (anatomic), straight lateral (operative).
 [[nodiscard]] CupAngles AnglesOf(CupDefinition definition, const Vector3& a_N);
 
 }  // namespace osteon::procedure

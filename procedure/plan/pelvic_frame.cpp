@@ -10,9 +10,11 @@
 namespace osteon::procedure {
 namespace {
 
-// Smallest distance between the spines, and of the pubis from their line: nearer landmarks give no plane.
+// Smallest accepted distance between the spines, and of the pubis from the line through them. Nearer
+// landmarks do not determine the plane.
 constexpr double kMinSpineDistance_m = 0.05, kMinPubisDistance_m = 0.02;
-constexpr double kMaxCosine = 1e-3;  // of the angle between two axes that count as perpendicular
+// largest cosine of the angle between two axes that count as perpendicular
+constexpr double kMaxCosine = 1e-3;
 
 }  // namespace
 
@@ -58,7 +60,7 @@ PelvicFrame Tilted(const PelvicFrame& frame, double tau_rad) {
 
 CupAngles LandmarkSpread(const PelvicLandmarks& landmarks, Side side, double tau_rad,
                          CupDefinition definition, const Vector3& a_G, double sd_m) {
-  constexpr double kStep_m = 1e-5;  // of a coordinate, for central differences
+  constexpr double kStep_m = 1e-5;  // step of a coordinate for central differences
   const auto angles = [&](const PelvicLandmarks& moved) {
     return AnglesOf(definition, Tilted(FrameOf(moved, side), tau_rad).FromG(a_G));
   };

@@ -8,7 +8,8 @@
 namespace osteon::procedure {
 namespace {
 
-// Share 0 … 1 of a cell of edge h_m that lies inside a surface, by the signed distance of the cell's centre.
+// Estimates the share 0 … 1 of a cell of edge h_m that lies inside a surface, from the signed distance of the
+// cell's centre to the surface.
 double ShareInside(double distance_m, double h_m) { return std::clamp(0.5 - distance_m / h_m, 0.0, 1.0); }
 
 }  // namespace
@@ -18,7 +19,8 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
   const Eigen::AlignedBox3d box = solid.Bounds();
   const Eigen::Vector3i count = (box.sizes() / cell_m).array().ceil().matrix().cast<int>().cwiseMax(1);
   const double half_diagonal_m = 0.5 * std::sqrt(3.0) * cell_m;
-  // visit only the cells in a box around the cavity, from its centre out past the whole solid
+  // visit only the cells in a box around the cavity: from the cavity's centre along its axis to beyond the
+  // solid
   Eigen::AlignedBox3d along_axis(cavity.centre_m);
   along_axis.extend(cavity.centre_m +
                     (box.diagonal().norm() + (cavity.centre_m - box.center()).norm()) * cavity.axis);
@@ -48,13 +50,13 @@ double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity,
 
 std::optional<double> PlannedWall(const simulation::Solid& solid, const simulation::CutSite& site,
                                   const PlannedCavity& cavity, double sample_spacing_m) {
-  // put a ball of the tool's size at the planned places, and ask the scene's watch for the thinnest wall
+  // put a ball of the tool's size at the planned positions, and let SceneWatch find the thinnest wall
   simulation::Bone bone;
   bone.site = site;
   simulation::Tool tool;
   tool.balls = {{.center_m = Vector3::Zero(), .radius_m = cavity.radius_m, .cutting = true}};
   simulation::SceneEventParams params;
-  params.min_wall_m = 0.1;  // so large that every wall counts as an event: only its thickness is used here
+  params.min_wall_m = 0.1;  // so large that every wall is an event; only the thickness is used here
   params.wall_spacing_m = sample_spacing_m;
   simulation::SceneWatch watch(&solid, bone, tool, params);
   Pose X_GP = Pose::Identity();

@@ -11,19 +11,20 @@
 
 namespace osteon::procedure {
 
-/// The space that a tool clears on its way in to a centre: the ball at the centre, and the cylinder of the
-/// same radius from there out of the opening. A burr that is led around the axis clears such a space about
-/// each point of a disc: an opening with a flat floor and a rounded edge. In G.
+/// The space that a tool clears while its head moves in to the planned centre: a ball at the centre, and a
+/// cylinder of the same radius from the centre out of the opening. A burr that is moved around the axis
+/// clears this space about each point of a disc, which gives an opening with a flat floor and a rounded edge.
+/// In G.
 struct PlannedCavity {
   Vector3 centre_m{Vector3::Zero()};
   Vector3 axis{Vector3::UnitZ()};  ///< unit, out of the opening
   double radius_m{0.0};            ///< of the tool's head
-  double around_m{0.0};            ///< radius of the disc about the axis in which the head's centre is led
+  double around_m{0.0};            ///< radius of the disc about the axis in which the head's centre is moved
 
   /// Radius of the whole opening.
   [[nodiscard]] double opening_radius_m() const { return radius_m + around_m; }
-  /// Signed distance to the cavity's surface; negative inside. Exact, except for points over or within the
-  /// disc of a led tool: for them the result is -radius, although they may lie deeper inside.
+  /// Signed distance to the cavity's surface; negative inside. Exact, with one exception: for around_m > 0,
+  /// points within the disc or above it get -radius, although they may lie deeper inside.
   [[nodiscard]] double DistanceTo(const Vector3& p_m) const {
     const Vector3 d_m = p_m - centre_m;
     const double along_m = std::max(0.0, d_m.dot(axis));
@@ -35,9 +36,9 @@ struct PlannedCavity {
   }
 };
 
-/// Volume of a solid's bone that is inside the cavity and not in a space that was cleared before [m³]. It is
-/// the sum over cells of edge `cell_m`; a cell that a surface passes through counts in part, by the surface's
-/// distance. With cells of R/50 the error is below 0.1 % on smooth solids.
+/// Volume of a solid's bone inside the cavity but outside the cavities of earlier tools [m³]. It is a sum
+/// over cells of edge `cell_m`. If a surface passes through a cell, the share inside is estimated from the
+/// surface's distance. With cells of R/50 the error is below 0.1 % on smooth solids.
 /// @param cleared  cavities of earlier tools
 [[nodiscard]] double BoneInCavity(const simulation::Solid& solid, const PlannedCavity& cavity, double cell_m,
                                   std::span<const PlannedCavity> cleared = {});

@@ -10,7 +10,7 @@
 namespace osteon::procedure {
 namespace {
 
-// Usual excess of the implant's diameter over the last reamer's.
+// Usual difference between the implant's diameter and that of the last reamer.
 constexpr double kMinPressFit_m = 1e-3, kMaxPressFit_m = 3e-3;
 constexpr double kTolerance_m = 1e-6;  // planned lengths that differ by less are equal
 
@@ -39,7 +39,7 @@ std::vector<std::string> WarningsOf(const SurgicalPlan& plan) {
         1e3 * fit_m, 1e3 * plan.cup_diameter_m, 1e3 * last_m, 1e3 * kMinPressFit_m, 1e3 * kMaxPressFit_m));
   const PlannedTool& last = plan.tools.back();
   for (const PlannedTool& tool : plan.tools) {
-    // how much lower the tool's apex is planned than the last tool's
+    // how much deeper this tool's planned apex is than that of the last tool
     const double beyond_m = last.height_m - tool.height_m + 0.5 * (tool.diameter_m - last_m);
     if (beyond_m > kTolerance_m)
       warnings.push_back(

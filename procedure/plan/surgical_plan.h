@@ -11,34 +11,36 @@
 #include "procedure/plan/pelvic_frame.h"
 #include "procedure/plan/planned_cavity.h"
 
-// The plan of a procedure: the planned cavity, the tools, and the gains by which guidance holds the hand to
-// the plan. A cup is reamed, or an opening is made down to a tissue that lies deeper. Plain data in SI, in
+// The plan of a procedure: the planned cavity, the tools, and the gains of the guidance that keeps the hand
+// to the plan. Either a cup is reamed, or an opening is made down to a deeper tissue. Plain data in SI, in
 // the packing's frame G.
 
 namespace osteon::procedure {
 
-/// The shape that a plan makes of the bone.
+/// The shape to be cut by a plan.
 enum class PlanKind : std::uint8_t {
   kCup,     ///< the seat of an implant, with reamers
-  kOpening  ///< an access down to a deeper tissue, with burrs that are led in circles
+  kOpening  ///< an access down to a deeper tissue, with burrs that are moved around the axis
 };
 
-/// One tool of the sequence: a reamer or a burr. The planned centre of its head is `height_m` over the plan's
-/// centre, along the axis; a burr is led around the axis with its centre up to `around_m` away from it.
+/// One tool of the sequence: a reamer or a burr. The planned centre of its head is `height_m` above the
+/// plan's centre along the axis. A burr is moved around the axis, with its head's centre up to `around_m`
+/// away from the axis.
 struct PlannedTool {
   double diameter_m{0.0}, height_m{0.0}, around_m{0.0};
   /// Width of the opening that the tool leaves.
   [[nodiscard]] double width_m() const { return diameter_m + 2.0 * around_m; }
 };
 
-/// How the hand changes from one tool of the sequence to the next.
+/// How one tool of the sequence is replaced by the next.
 enum class ToolChange : std::uint8_t {
-  kVirtual,  ///< the handle stays: only the simulated head changes
-  kPhysical  ///< another tool is mounted
+  kVirtual,  ///< the tool on the arm stays; only the simulated head changes
+  kPhysical  ///< another tool is mounted on the arm
 };
 
-/// Gains of the guidance (docs/theory/guidance.md). Each part begins at `free`; beyond `stop` the spindle may
-/// stop. `ease` is the width of the force's soft beginning, `cap` its largest value.
+/// Gains of the guidance (docs/theory/guidance.md). Each part acts beyond `free` (for depth, below the height
+/// `soft`); beyond `stop` it may stop the spindle. `ease` is the width over which the force rises softly,
+/// `cap` the largest force or torque.
 struct GuidanceGains {
   struct Cone {
     double free_rad{0.0}, stop_rad{0.0}, ease_rad{0.0}, stiffness_Nm_per_rad{0.0}, cap_Nm{0.0};
@@ -56,48 +58,49 @@ struct GuidanceGains {
 
   double gain{0.0};  ///< 0 … 1; 0: off
   Cone cone;         ///< tilt of the feed against the cup axis
-  CupCone cup_cone;  ///< free and stop angles while the cup is placed; the other values are those of `cone`
+  CupCone cup_cone;  ///< free and stop angles that replace those of `cone` while the cup is placed
   Lateral lateral;   ///< distance of the head's centre from the axis
   Depth depth;       ///< height of the head's centre over its planned centre
-  /// Speeds toward the corridor at which force and torque have faded to 0.
+  /// The guidance's force and torque decrease with the tool's speed back toward the corridor, and are 0 from
+  /// these speeds on.
   double return_m_per_s{0.05}, return_rad_per_s{1.0};
   OutsideSpindle spindle{OutsideSpindle::kStop};
 };
 
-/// The largest gains that a plan may ask for. Stiffer, or with a higher cap, the guidance would make hands
-/// unstable that are stable without it (docs/theory/guidance.md).
+/// The largest gains that a plan may ask for. With more stiffness or a higher cap, hands that are stable
+/// without guidance could become unstable with it (docs/theory/guidance.md).
 struct GuidanceCeilings {
   static constexpr double kConeStiffness_Nm_per_rad = 400.0, kConeCap_Nm = 8.0;
   static constexpr double kLateralStiffness_N_per_m = 5e3, kLateralCap_N = 60.0;
   static constexpr double kDepthStiffness_N_per_m = 20e3, kDepthCap_N = 150.0;
 };
 
-/// A whole plan, as its file gives it.
+/// A whole plan, as read from its file.
 struct SurgicalPlan {
   std::string name;  ///< the file's, without ".yaml"
   PlanKind kind{PlanKind::kCup};
   Side side{Side::kRight};
-  std::optional<PelvicLandmarks> landmarks;  ///< absent: the axes were given
-  double tilt_rad{0.0};                      ///< tilt of the pelvis, backwards, in the frame of the angles
-  /// Frame in which the angles are given, with the tilt. For an opening, `superior` is its axis, and the
-  /// others are across it.
+  std::optional<PelvicLandmarks> landmarks;  ///< absent: the plan's file gives the axes of `pelvis` instead
+  double tilt_rad{0.0};  ///< backward tilt of the pelvis in the frame in which the angles are measured
+  /// Frame in which the angles are measured, tilt included. For an opening, `superior` is the opening's axis,
+  /// and the two others are perpendicular to it.
   PelvicFrame pelvis;
-  Vector3 native_centre_m{Vector3::Zero()};  ///< of the hip before the operation
+  Vector3 native_centre_m{Vector3::Zero()};  ///< centre of the hip before the operation
   /// Centre of the cup; for an opening, the centre of the last burr's head at the end of its path, on the
   /// axis.
   Vector3 centre_m{Vector3::Zero()};
-  double cup_diameter_m{0.0};  ///< of the implant; for an opening, its width
+  double cup_diameter_m{0.0};  ///< diameter of the implant, or width of the opening
   std::string target;          ///< for an opening, the name of the material that it leads to, e.g. "pulp"
   CupDefinition definition{CupDefinition::kRadiographic};
-  CupAngles angles;                  ///< in that definition
+  CupAngles angles;                  ///< the planned angles, in `definition`
   Vector3 axis_G{Vector3::UnitZ()};  ///< unit, out of the cup or the opening
-  std::vector<PlannedTool> tools;    ///< in their order, diameters rising; at least one
+  std::vector<PlannedTool> tools;    ///< in the order of use, with rising diameters; at least one
   ToolChange tool_change{ToolChange::kVirtual};
   GuidanceGains guidance;
 
   /// Planned centre of a tool's head, in G.
   [[nodiscard]] Vector3 CentreOf(const PlannedTool& tool) const { return centre_m + tool.height_m * axis_G; }
-  /// Planned place of a tool's apex, in G.
+  /// Planned position of a tool's apex, in G.
   [[nodiscard]] Vector3 ApexOf(const PlannedTool& tool) const {
     return CentreOf(tool) - 0.5 * tool.diameter_m * axis_G;
   }
@@ -109,11 +112,11 @@ struct SurgicalPlan {
   [[nodiscard]] PlannedCavity cavity() const { return CavityOf(tools.back()); }
 };
 
-/// Largest angle between the planned axis and the scene's own cup. Beyond it the plan is for the other side,
-/// or the landmarks are in another frame.
+/// Largest angle between the planned axis and the axis of the scene's site. A larger angle means that the
+/// plan is for the other side, or that the landmarks are in another frame.
 inline constexpr double kMaxAxisFromSite_rad = 45.0 * kDegree;
 
-/// @returns why the plan does not fit the bone's site, in the words of an error; empty: it does.
+/// @returns an error text if the plan does not fit the bone's site; empty: it fits.
 [[nodiscard]] std::string SiteError(const SurgicalPlan& plan, const simulation::CutSite& site);
 
 /// File name of the shipped rubric for a kind of plan, e.g. "rubric.yaml".

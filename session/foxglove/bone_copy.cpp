@@ -26,7 +26,8 @@ class BoneMessages {
         bone_(surface::FieldOfBone(setup.solid.get(), setup.bone, surface::VoxelFor(setup.config.tool.tool)),
               std::move(cut)) {}
 
-  // Carves what was recorded up to a log time. The error names the file, the byte and the reason.
+  // Carves the bone by the frames recorded up to a log time. The error names the file, the byte and the
+  // reason.
   tl::expected<void, std::string> CarveTo(rt::Nanoseconds stamp) {
     while (!ended_ && bone_.last_tick < stamp) {
       const auto topic = timeline_.Next();
@@ -49,7 +50,7 @@ class BoneMessages {
     surface::SurfaceChunk chunk;
     for (const surface::BrickIndex brick : bone_.field.Dirty()) {
       surface::ExtractChunk(bone_.field, brick, chunk, {}, material);
-      triangles_ += chunk.quads.size() / 2;  // four indices are a quad, which is two triangles
+      triangles_ += chunk.quads.size() / 2;  // four indices make a quad, which is two triangles
       parts.push_back(scene_.BonePart(fmt::format("brick_{}", chunk.brick), {&chunk, 1}));
     }
     bone_.field.ClearDirty();
@@ -64,7 +65,7 @@ class BoneMessages {
   CellScene scene_;
   RecordingTimeline timeline_;
   CarvedBone bone_;
-  bool ended_{false}, begun_{false};  // the recording has no more; the first message is encoded
+  bool ended_{false}, begun_{false};  // the end of the recording was reached; the first message was encoded
   std::uint64_t triangles_{0};
 };
 
@@ -97,7 +98,7 @@ tl::expected<BoneCopy, std::string> Copy(io::McapReader& reader, io::McapWriter&
       next = last + step;
     }
     if (message.channel->topic == topic.topic && message.channel->schema_name == topic.schema_name)
-      continue;  // the copy's states of the bone replace the run's own
+      continue;  // leave out the states of the bone that the run recorded: the copy has its own
     const auto channel = channels.IdOf(*message.channel);
     if (!channel) return tl::make_unexpected(reader.path().string() + ": " + channel.error());
     writer.Write(*channel, last, {message.bytes.data(), message.bytes.size()});
@@ -124,7 +125,7 @@ tl::expected<BoneCopy, std::string> CopyWithBone(const std::filesystem::path& re
   auto cut = ReadRecordedCut(recording, timeline->session(), setup);
   if (!cut) return tl::make_unexpected(cut.error());
 
-  // write a file beside the final one, and rename it at the end
+  // write to a temporary file beside the final one, and rename it at the end
   const std::filesystem::path part = file.string() + ".part";
   auto writer = io::McapWriter::Create(part, reader->library());
   if (!writer) return tl::make_unexpected(writer.error());

@@ -10,7 +10,8 @@
 namespace osteon::session {
 namespace {
 
-// The arm is drawn as simple bodies, as on the console's page, not as the manufacturer's meshes.
+// The arm is drawn as simple bodies, not with the manufacturer's meshes. The console's page draws the same
+// bodies.
 constexpr double kBodyRadius_m = 0.055, kJointRadius_m = 0.068, kRodRadius_m = 0.008;
 constexpr io::SceneColor kBody{.r = 0.79, .g = 0.81, .b = 0.84};
 constexpr io::SceneColor kJoint{.r = 0.85, .g = 0.51, .b = 0.17};
@@ -18,17 +19,17 @@ constexpr io::SceneColor kCutting{.r = 0.55, .g = 0.58, .b = 0.62}, kShaft{.r = 
 constexpr io::SceneColor kForce{.r = 0.80, .g = 0.10, .b = 0.10}, kHand{.r = 0.10, .g = 0.35, .b = 0.80};
 constexpr io::SceneColor kPlane{.r = 0.95, .g = 0.75, .b = 0.10, .a = 0.5};
 constexpr io::SceneColor kZone{.r = 0.80, .g = 0.10, .b = 0.10, .a = 0.15};
-constexpr double kProxyOpacity = 0.35;  // of the tool drawn in the frame `proxy`
+constexpr double kProxyOpacity = 0.35;  // opacity of the tool that is drawn in the frame `proxy`
 
 constexpr double kArrow_m_per_N = 1e-3, kArrowDiameter_m = 4e-3;
-constexpr double kMinForce_N = 0.5;  // a smaller force has no arrow
-// The plates that show contact planes.
+constexpr double kMinForce_N = 0.5;  // no arrow is drawn for a smaller force
+// Size of the plates that show contact planes.
 constexpr double kPlaneEdge_m = 0.02, kPlaneThickness_m = 4e-4;
-constexpr std::size_t kMaxBalls = 2000;  // number of a tool's balls that are drawn
+constexpr std::size_t kMaxBalls = 2000;  // at most this many balls of a tool are drawn
 
 io::SceneColor ColorOf(const Vector3& rgb) { return {.r = rgb.x(), .g = rgb.y(), .b = rgb.z()}; }
 
-// Scales the colour's opacity.
+// Returns the colour with its opacity multiplied by `opacity`.
 io::SceneColor Faded(io::SceneColor color, double opacity) {
   color.a *= opacity;
   return color;
@@ -36,13 +37,13 @@ io::SceneColor Faded(io::SceneColor color, double opacity) {
 
 // Returns the colour of a cut face: the tissue's colour, shifted towards red.
 io::SceneColor CutFace(const io::SceneColor& tissue) {
-  constexpr double kShare = 0.45;  // of the red in the mixture
+  constexpr double kShare = 0.45;  // share of red in the mixture
   return {.r = (1.0 - kShare) * tissue.r + kShare * 0.75,
           .g = (1.0 - kShare) * tissue.g + kShare * 0.20,
           .b = (1.0 - kShare) * tissue.b + kShare * 0.15};
 }
 
-// Draws a zone in the world; empty for a half-space. @param number  makes its id
+// Draws a zone in the world; empty for a half-space. @param number  number of the zone, for the body's id
 io::SceneEntity ZoneBody(const safety::ZoneParams& zone, std::size_t number) {
   io::SceneEntity entity{.id = fmt::format("zone_{}", number), .frame = "world"};
   Pose X_WZ = Pose::Identity();

@@ -17,28 +17,29 @@ namespace osteon::session {
 /// The parts of a cell that Foxglove draws: its frames, and the bodies in them.
 ///
 ///     world ─▶ base ─▶ link_1 ─▶ … ─▶ flange (as measured)
-///       ├─▶ tool (as commanded), tool_measured, proxy (where the bone lets the tool be)
+///       ├─▶ tool (as commanded), tool_measured, proxy (the tool's collision-free pose)
 ///       └─▶ bone
 class CellScene {
  public:
-  /// @param tools  of a procedure, in the order of TickInput::tool_index; empty: only the cell's own tool
+  /// @param tools  the tools of a procedure, in the order of TickInput::tool_index; empty: only the cell's
+  /// own tool
   explicit CellScene(const CellSetup& setup, std::span<const ProcedureTool> tools = {});
 
-  /// Returns the frames' poses at a tick. @param model  if its frame is 0, there is no model yet, and the
-  /// proxy is left out
+  /// Returns the frames' poses at a tick. @param model  the newest contact model; if its frame is 0 there is
+  /// none yet, and the proxy is left out
   [[nodiscard]] std::vector<io::FramePlace> Frames(const control::TickRecord& tick,
                                                    const simulation::ContactModel& model) const;
-  /// Returns the bodies of arm, tool (Tools) and zones. They change only when another tool is taken.
+  /// Returns the bodies of arm, tool (Tools) and zones. They change only if another tool comes into use.
   [[nodiscard]] std::vector<io::SceneEntity> Bodies(std::size_t tool) const;
   /// Returns the tool in use twice: in the frame `tool` and, transparent, in the frame `proxy`.
   /// @param tool  TickInput::tool_index
   [[nodiscard]] std::vector<io::SceneEntity> Tools(std::size_t tool) const;
-  /// Returns the coupling's and the hand's force as arrows (1 mm per newton), and the planes that hold the
-  /// tool.
+  /// Returns the coupling's force and the hand's force as arrows (1 mm per newton), and the contact planes as
+  /// plates.
   [[nodiscard]] std::vector<io::SceneEntity> Forces(const control::TickRecord& tick,
                                                     const simulation::ContactModel& model) const;
-  /// Returns a part of the carved bone, coloured by tissue; cut faces are redder. Its mesh is empty if the
-  /// chunks have no faces.
+  /// Returns a part of the carved bone, coloured by tissue. Cut faces have a redder colour. Its mesh is empty
+  /// if the chunks have no faces.
   [[nodiscard]] io::SceneEntity BonePart(const std::string& id,
                                          std::span<const surface::SurfaceChunk> chunks) const;
   /// Returns the arm's measured joint angles of a tick [rad].
@@ -53,18 +54,18 @@ class CellScene {
   };
   struct DrawnTool {
     std::vector<io::SceneBall> balls;
-    Vector3 p_TF;  // the flange in T: where the tool's rod ends
+    Vector3 p_TF;  // position of the flange in T, at which the tool's rod ends
   };
-  // The tool's balls, and the place of the flange. X_FT: the tool on the flange.
+  // Makes the tool's balls and finds the position of the flange. X_FT: pose of the tool on the flange.
   [[nodiscard]] static DrawnTool Draw(const simulation::Tool& tool, const Pose& X_FT);
-  // The tool's balls and its rod to the flange, as a body in `frame`. opacity: 0 … 1.
+  // Makes a body in `frame` of the tool's balls and its rod to the flange. opacity: 0 … 1.
   [[nodiscard]] static io::SceneEntity BodyOf(const DrawnTool& tool, const char* frame, double opacity);
 
   std::vector<Link> links_;
   Pose X_LF_, X_WB_, X_WG_;
   std::vector<DrawnTool> tools_;  // at least one
   std::vector<safety::ZoneParams> zones_;
-  std::vector<io::SceneColor> tissues_;  // by material
+  std::vector<io::SceneColor> tissues_;  // colour of each material
 };
 
 }  // namespace osteon::session

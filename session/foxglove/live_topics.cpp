@@ -11,9 +11,10 @@
 namespace osteon::session {
 namespace {
 
-// numbers of the channels that follow those of CellTopics
+// indices of the channels `tick` and `frame`, which follow those of CellTopics
 constexpr std::size_t kTick = 6, kFrame = 7;
-constexpr std::size_t kBoneBytes = 128u << 10;  // size of the bricks for one message, which becomes larger
+// bytes of bricks for one message; the encoded message is larger
+constexpr std::size_t kBoneBytes = 128u << 10;
 
 }  // namespace
 

@@ -20,12 +20,12 @@ enum class CellTopic : std::size_t { kFrames, kScene, kForces, kJoints, kLog, kB
 /// Returns how severe an event is: a fault is an error, all others are information.
 [[nodiscard]] io::LogLevel LevelOf(const std::string& event);
 
-/// Shows a running cell to Foxglove's viewers: the newest recorded data, some 30 times a second, and the
-/// bricks of the carved surface that changed. Besides CellTopics it has the topics `tick` and `frame`, as a
-/// recording has.
+/// Sends a running cell's data to Foxglove's viewers: the newest recorded data, some 30 times a second, and
+/// the bricks of the carved surface that changed. Besides CellTopics it has the topics `tick` and `frame`, as
+/// in a recording.
 class LiveTopics final : public console::FoxgloveSource {
  public:
-  /// @param feed, surface  outlive this  @param tools  as for CellScene
+  /// @param feed, surface  must outlive this  @param tools  as for CellScene
   LiveTopics(const CellSetup& setup, const console::LiveFeed& feed, const console::SurfaceStore& surface,
              std::span<const ProcedureTool> tools = {});
 
@@ -34,8 +34,8 @@ class LiveTopics final : public console::FoxgloveSource {
            std::vector<console::FoxgloveMessage>& out) const override;
 
  private:
-  // Appends a message with the bricks that the viewer does not have yet; none if there are no such bricks
-  // and the grid is the same.
+  // Appends a message with the bricks that the viewer does not have yet. Appends nothing if there are no such
+  // bricks and the surface's grid has not changed.
   void NewBone(console::FoxgloveCursor& cursor, std::vector<console::FoxgloveMessage>& out) const;
 
   CellScene scene_;

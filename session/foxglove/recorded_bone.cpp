@@ -17,9 +17,9 @@
 namespace osteon::session {
 namespace {
 
-constexpr int kFieldTries = 6;  // grids that are tried, each coarser than the last
+constexpr int kFieldTries = 6;  // number of grids that are tried, each coarser than the one before
 
-// Counts the quads of the surface in the field's changed bricks: in a new field, of the whole surface.
+// Counts the quads of the surface in the field's changed bricks. In a new field this is the whole surface.
 std::size_t QuadsOf(const surface::CarvedField& field) {
   std::size_t quads = 0;
   surface::SurfaceChunk chunk;
@@ -98,7 +98,8 @@ const std::string* RecordedBone::Finish() {
     thread_.join();
   }
   ways_.EndBatch(gathered_);
-  // A state that is ready but was not taken comes first: its bricks are not in the next one.
+  // If a state is ready but was not taken, return it first, because the next state does not contain its
+  // bricks.
   std::string before = std::exchange(made_, {});
   if (!before.empty()) {
     taken_ = std::move(before);
@@ -112,7 +113,7 @@ const std::string* RecordedBone::Finish() {
   return &taken_;
 }
 
-// The own thread: makes states as they become due, until the end is asked for.
+// Runs in the object's own thread: makes the states that Take begins, until Finish.
 void RecordedBone::Run() {
   rt::NameThread("recorded bone");
   rt::LowerPriority();
@@ -132,14 +133,14 @@ void RecordedBone::Run() {
   }
 }
 
-// Samples the uncut bone on a grid coarse enough for max_quads; null if no grid was.
+// Samples the uncut bone on a grid that is coarse enough for max_quads; null if none of the tried grids is.
 std::shared_ptr<const surface::SolidField> RecordedBone::MakeSolidField() {
   for (int i = 0; i < kFieldTries; ++i) {
     try {
       auto solid = surface::FieldOfBone(solid_.get(), balls_, voxel_mm_);
       const std::size_t quads = QuadsOf(surface::CarvedField(solid));
       if (quads <= params_.max_quads) return solid;
-      // the number of quads falls with the square of the voxel size; a margin of 5 %
+      // the number of quads is inversely proportional to the square of the voxel size; add a margin of 5 %
       voxel_mm_ *= static_cast<float>(
           1.05 * std::sqrt(static_cast<double>(quads) / static_cast<double>(params_.max_quads)));
     } catch (const std::invalid_argument&) {  // the grid is too large for the memory
@@ -155,7 +156,8 @@ void RecordedBone::MakeField() {
   if (!no_field_) field_ = std::make_unique<surface::CarvedField>(CarveAnew());
 }
 
-// Carves the bone again: the session's earlier recordings, then the kept batches that still count.
+// Carves the bone again from the uncut state: by the session's earlier recordings, then by the kept batches
+// of passes that were not taken back.
 surface::CarvedField RecordedBone::CarveAnew() const {
   surface::CarvedField field(solid_field_);
   if (params_.history.carve_earlier) params_.history.carve_earlier(field);
@@ -163,7 +165,7 @@ surface::CarvedField RecordedBone::CarveAnew() const {
   return field;
 }
 
-// Carves the work into the bone, and encodes the bricks that changed, if any, as the message that is ready.
+// Carves the work's batches into the bone. If bricks changed, encodes them as the message made_.
 void RecordedBone::MakeState(const Work& work) try {
   if (!field_ && !no_field_) {
     taken_back_ = work.taken_back;

@@ -17,13 +17,15 @@
 
 namespace osteon::session {
 
-/// How often and how finely the bone is recorded, and the procedure's tools and history.
+/// How often and how finely the bone is recorded; and the tools and the history of a procedure.
 struct RecordedBoneParams {
-  rt::Nanoseconds step{5'000'000'000};    ///< log time from one state of the bone to the next; > 0
-  bool own_thread{true};                  ///< false: the caller carves, so that equal runs give equal bytes
-  std::size_t max_quads{30'000};          ///< the grid is made coarser until the uncut bone has no more quads
-  std::vector<simulation::Tool> tools{};  ///< of a procedure, by TickInput::tool_index; empty: the cell's own
-  BoneHistory history{};                  ///< of the procedure's session
+  rt::Nanoseconds step{5'000'000'000};  ///< log time from one state of the bone to the next; > 0
+  bool own_thread{true};  ///< false: Take carves in the caller's thread, so that equal runs give equal bytes
+  /// the grid is made coarser until the uncut bone's surface has at most this many quads
+  std::size_t max_quads{30'000};
+  /// tools of a procedure, by TickInput::tool_index; empty: only the cell's own tool
+  std::vector<simulation::Tool> tools{};
+  BoneHistory history{};  ///< earlier recordings and taken-back passes of the procedure's session
 };
 
 /// Makes messages of a run's carved bone for the recording: the first has the whole surface, each later one
@@ -33,12 +35,12 @@ struct RecordedBoneParams {
 ///     frame ─▶ BatchedWays ─▶ batches ─┐ state is due              ┌─▶ Take: message for the file
 ///                                      └─▶ own thread: carve, mesh ┘
 ///
-/// If a state is due while the previous one is still being made, it is begun later: nothing waits for it. In
-/// a session the batches that touched bone are kept (some 3 MB for an hour of reaming). When a pass is taken
-/// back, the next state is carved again from the batches that still count.
+/// If a state is due while the previous one is still being made, it is begun later, so the caller never
+/// waits. In a procedure's session the batches that touched bone are kept (some 3 MB for an hour of reaming).
+/// If a pass is taken back, the next state is carved again from the batches of the remaining passes.
 class RecordedBone {
  public:
-  /// @param scene  outlives this
+  /// @param scene  must outlive this
   RecordedBone(const CellSetup& setup, const CellScene& scene, RecordedBoneParams params);
   ~RecordedBone();
   RecordedBone(const RecordedBone&) = delete;
@@ -48,21 +50,22 @@ class RecordedBone {
   void UseTool(std::size_t tool);
   /// Adds the path that the tool has travelled in a frame.
   void Add(const simulation::ContactModel& model, bool spindle_turns);
-  /// Begins the next state if it is due. @param stamp  log time
+  /// Begins the next state if it is due and no other is being made. @param stamp  log time
   /// @returns the message of a state that has become ready, valid until the next call; null: there is none
   [[nodiscard]] const std::string* Take(rt::Nanoseconds stamp);
-  /// Ends the thread, and returns the messages that are left, one per call: call it until it returns null.
-  /// The last message has all that was added.
+  /// Ends the thread and returns the remaining messages, one per call; call it until it returns null. After
+  /// the last message the recording has everything that was added.
   [[nodiscard]] const std::string* Finish();
 
   [[nodiscard]] float voxel_mm() const { return voxel_mm_; }
-  /// After Finish has returned null: the reason why states of the bone are missing; empty: none is missing.
+  /// Call it after Finish has returned null. Returns the reason why states of the bone are missing; empty:
+  /// none is missing.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   struct Work {
     surface::SweptBatches batches;  // since the last state
-    TakenBackPasses taken_back;     // as known when the state was begun
+    TakenBackPasses taken_back;     // passes that were taken back before the state was begun
     rt::Nanoseconds stamp{0};
   };
   [[nodiscard]] Work TakeWork(rt::Nanoseconds stamp);
@@ -75,19 +78,20 @@ class RecordedBone {
   const CellScene& scene_;
   RecordedBoneParams params_;
   std::shared_ptr<const simulation::Solid> solid_;
-  simulation::Bone balls_;  // used if there is no solid
+  simulation::Bone balls_;  // the bone's balls; used if there is no solid
   surface::BatchedWays ways_;
   std::size_t tool_{0};
   surface::SweptBatches gathered_;       // since the last state
-  std::optional<rt::Nanoseconds> next_;  // when the next state is due; nothing: at once
+  std::optional<rt::Nanoseconds> next_;  // log time at which the next state is due; nothing: at once
   rt::Nanoseconds last_stamp_{0};
   std::string taken_;
 
-  // used only where states are made: in the own thread or, after its end, in the caller's
+  // members used only by MakeState, which runs in the own thread or, without it or after its end, in the
+  // caller's
   std::shared_ptr<const surface::SolidField> solid_field_;
   std::unique_ptr<surface::CarvedField> field_;
-  surface::SweptBatches kept_;  // in a session: the batches that touched bone
-  TakenBackPasses taken_back_;  // passes that are not carved in field_
+  surface::SweptBatches kept_;  // in a procedure's session: all batches that touched bone
+  TakenBackPasses taken_back_;  // the taken-back passes, which are not carved in field_
   bool no_field_{false};        // no grid was coarse enough for the bone, or carving has failed
   bool begun_{false};           // the first state, with the whole surface, has been made
   float voxel_mm_{0.0F};

@@ -13,9 +13,9 @@
 
 namespace osteon::session {
 
-/// Adds the topics of CellTopics to a recording: the bodies once, the tool again whenever another tool is
-/// taken, events as they come, the bone's states at the intervals of RecordedBoneParams, the rest every
-/// kPeriod_ns of log time.
+/// Adds the topics of CellTopics to a recording: the bodies once; the tool again whenever another tool comes
+/// into use; events when they occur; the bone's states at the interval of RecordedBoneParams; everything else
+/// every kPeriod_ns of log time.
 class RecordedTopics final : public io::RecordTopics {
  public:
   static constexpr rt::Nanoseconds kPeriod_ns = 33'000'000;
@@ -32,14 +32,15 @@ class RecordedTopics final : public io::RecordTopics {
 
  private:
   CellScene scene_;
-  std::vector<std::uint16_t> channels_;  // in the order of CellTopics; 0: the topic is not recorded
-  simulation::ContactModel model_;       // of the newest frame
-  rt::Nanoseconds next_{0};              // log time of the next messages
-  std::size_t tool_{0};                  // the tool that was drawn last
-  std::string bytes_;                    // buffer for one message
+  // channel numbers in the order of CellTopics; 0: the topic is not recorded
+  std::vector<std::uint16_t> channels_;
+  simulation::ContactModel model_;  // model of the newest frame
+  rt::Nanoseconds next_{0};         // log time from which the next periodic messages are due
+  std::size_t tool_{0};             // the tool that was drawn last
+  std::string bytes_;               // buffer for one message
   std::optional<RecordedBone> bone_;
-  bool spindle_turns_{false};      // in the last tick
-  rt::Nanoseconds last_stamp_{0};  // of the last tick
+  bool spindle_turns_{false};      // whether the spindle turned in the last tick
+  rt::Nanoseconds last_stamp_{0};  // log time of the last tick
 };
 
 }  // namespace osteon::session

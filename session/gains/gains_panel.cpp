@@ -12,7 +12,8 @@ namespace {
 
 // Number of changes that can be undone; the oldest ones are forgotten.
 constexpr std::size_t kMaxFormer = 100;
-// Relative tolerance of the bounds: a page rounds the bounds that it shows, and may send them back.
+// Relative tolerance of the bounds, because a page rounds the bounds that it shows and may send a rounded
+// bound as a request.
 constexpr double kRounding = 1e-6;
 
 bool IsWithin(double value, double low, double high) {
@@ -27,7 +28,7 @@ GainsPanel::GainsPanel(const config::CellConfig& cell)
       planes_N_per_m_(control::ForceLimit_N(cell.servo) / cell.servo.stabilisers.age_governor.tool_radius_m),
       present_(own_) {}
 
-// Returns the smallest drag of the three axes, which decides about stability.
+// Returns the smallest drag of the three axes, because it determines stability.
 double GainsPanel::MinDrag(const control::Gains& gains) const {
   const PlainVector3& d = gains.damping_Ns_per_m;
   return std::min({d.x, d.y, d.z});
@@ -84,10 +85,10 @@ void GainsPanel::SetPresent(const control::Gains& gains) {
   asked_ = false;
 }
 
-// Whether the present gains have at least the stability margin of the cell's own: they differ from these only
-// by a softer coupling or a larger drag.
+// Whether the present gains have at least the stability margin of the cell's own gains. This holds if they
+// differ from these only by a softer coupling or a larger drag.
 bool GainsPanel::KeepsOwnMargin() const {
-  // with the two gains that may differ set to the cell's own, all gains must be equal
+  // after stiffness and drag are set to the cell's own, all gains must be equal to the cell's own
   control::Gains as_own = present_;
   as_own.max_stiffness_N_per_m = own_.max_stiffness_N_per_m;
   as_own.damping_Ns_per_m = own_.damping_Ns_per_m;
@@ -125,7 +126,7 @@ nlohmann::json GainsPanel::TuneJson() const {
 std::string GainsPanel::Json() const {
   const std::lock_guard lock(mutex_);
   const double drag = MinDrag(present_), own_drag = MinDrag(own_);
-  // the drag keeps planes stable up to an age of drag over stiffness
+  // with this drag, contact planes are stable up to an age of drag over stiffness
   const double turning_N_per_m = std::min(present_.max_stiffness_N_per_m, planes_N_per_m_);
   const nlohmann::json json{{"type", "gains"},
                             {"stiffness_N_per_m", present_.max_stiffness_N_per_m},

@@ -33,7 +33,7 @@ std::string Changes(const control::Gains& before, const control::Gains& after) {
 // Returns the file's modification time, or `otherwise` if the file cannot be found.
 std::filesystem::file_time_type WrittenAt(const std::filesystem::path& file,
                                           std::filesystem::file_time_type otherwise) {
-  std::error_code error;  // a file that is being replaced is absent for a moment
+  std::error_code error;  // not reported: a file that is being replaced is absent for a moment
   const auto time = std::filesystem::last_write_time(file, error);
   return error ? otherwise : time;
 }

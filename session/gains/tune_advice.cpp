@@ -16,20 +16,21 @@ using base::NumberAt;
 using base::TextAt;
 using base::ValueAt;
 
-// Relative difference up to which two figures count as the same; the file has them with all digits.
+// Relative difference up to which two figures count as equal. The file has all digits, so only rounding is
+// tolerated.
 constexpr double kSameWithin = 1e-6;
 
 bool IsSame(double a, double b) {
   return std::abs(a - b) <= kSameWithin * std::max(std::abs(a), std::abs(b));
 }
 
-// A figure that tune's result and the cell must agree on.
+// A figure that must be the same in tune's result and in the cell.
 struct SharedFigure {
   const char *name, *unit;
   double in_result, in_cell;
 };
 
-// Lists the figures that must agree, as tune.json and the cell have them.
+// Lists the figures that must be the same, with their values in tune.json and in the cell.
 std::vector<SharedFigure> SharedFigures(const nlohmann::json& json, const config::CellConfig& cell) {
   const nlohmann::json &own = ValueAt(json, "own"), &stands = ValueAt(json, "stands");
   std::vector<SharedFigure> figures{
@@ -46,7 +47,7 @@ std::vector<SharedFigure> SharedFigures(const nlohmann::json& json, const config
   return figures;
 }
 
-// Returns the number at a key; nothing if the value is no number, such as null.
+// Returns the number at a key; nothing if the value is not a number, e.g. null.
 std::optional<double> OptionalAt(const nlohmann::json& json, const char* key) {
   const nlohmann::json& value = ValueAt(json, key);
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
@@ -100,7 +101,8 @@ tl::expected<TuneAdvice, std::string> ReadTuneAdvice(const std::filesystem::path
                               .stiffness_N_per_m = OptionalAt(recommended, "stiffness_N_per_m"),
                               .drag_Ns_per_m = NumberAt(recommended, "damping_Ns_per_m"),
                               .margin = NumberAt(recommended, "margin")};
-  // the map of stable walls was computed for the recommended mass: it holds only if the cell has this mass
+  // the map of stable walls was computed for the recommended mass, so it is valid only if the cell has this
+  // mass
   const nlohmann::json& boundary = ValueAt(json, "boundary");
   if (!advice.recommended->mass_kg || !boundary.is_array() ||
       !IsSame(*advice.recommended->mass_kg, NumberAt(own, "mass_kg")))

@@ -24,11 +24,14 @@ namespace {
 
 // Time between two checks of PLC, silence and Ctrl-C.
 constexpr rt::Nanoseconds kPollInterval = 5 * rt::kMillisecond;
-constexpr int kBeatEvery_ms = 10;  // heartbeat's period: a withdrawal waits at most this long to be sent
-// longest time for the arm to come to rest after the guard was asked to end
+// period of the heartbeat; a withdrawal of the motion request is sent after at most this time
+constexpr int kBeatEvery_ms = 10;
+// longest time that the guard waits for the arm to come to rest after it was asked to end
 constexpr rt::Nanoseconds kEndWithin = 3 * rt::kSecond;
-constexpr std::uint32_t kLastWrites = 2;  // heartbeats that carry the withdrawal before they stop
-// The controller may be silent for at least this many periods of its answers, also if these periods are long.
+// number of heartbeats with the withdrawn motion request before the heartbeat stops
+constexpr std::uint32_t kLastWrites = 2;
+// Silence of the controller is accepted for at least this many periods of its answers, even if these periods
+// are long.
 constexpr double kMinSilenceAnswers = 10.0;
 
 void Say(const std::string& text) {
@@ -59,20 +62,21 @@ io::PlcClientParams OfGuard(io::PlcClientParams params) {
   return params;
 }
 
-// Writes the guard's heartbeat to the PLC. After a latched withdrawal, kLastWrites more heartbeats follow.
+// Writes the guard's heartbeat to the PLC. After the motion request was withdrawn and this was latched,
+// kLastWrites more heartbeats follow.
 class PlcBeat {
  public:
   explicit PlcBeat(const io::PlcClientParams& params) : client_(OfGuard(params)) {}
 
-  /// Permits or withdraws motion, and lets the heartbeat go on unless it has to stop. @param ending  the
-  /// guard is to end
+  /// Sets or withdraws the motion request, and continues the heartbeat unless it has to stop. @param ending
+  /// the guard was asked to end
   void Step(const safety::GuardMonitor& monitor, bool ending) {
     const std::uint32_t writes = client_.Latest().counters.writes;
     client_.RequestMotion(monitor.permits() && !ending);
     if (!monitor.latched()) writes_before_ = writes;
     if (!monitor.latched() || writes - writes_before_ < kLastWrites) client_.NotifyAlive();
   }
-  /// Stops the heartbeat. @returns the last state of the connection
+  /// Stops the heartbeat. @returns the last reading of the PLC
   io::PlcReading End() {
     const io::PlcReading last = client_.Latest();
     client_.Stop();
@@ -108,8 +112,8 @@ void PrintEnd(const GuardReport& r) {
 }
 
 // Decides when a guard that was asked to end may end. With a PLC, the guard first withdraws the motion
-// request and goes on relaying, so that the controller can bring the arm to rest. An arm that misses its
-// answers would stop less gently.
+// request and continues to relay, so that the controller can bring the arm to rest. If relaying ended at
+// once, the arm would miss answers and stop less gently.
 class OrderlyEnd {
  public:
   explicit OrderlyEnd(bool has_plc) : has_plc_(has_plc) {}
@@ -179,7 +183,8 @@ safety::GuardParams GuardParamsOf(const config::CellConfig& cell) {
       .silence_s = std::max(guard.silence_s, kMinSilenceAnswers * multiplier * servo.period_s)};
   Eigen::Map<kinematics::JointVector>(params.q_start.emplace().data()) = start.q;
   params.tolerance_rad = start.tolerance_rad;
-  // on the path to the start, joint limits bound the tool's rotation, not max_turn_rad_per_s
+  // The path to the start is limited only by joint speeds. Therefore the tool may rotate as fast as these
+  // allow.
   double turn_rad_per_s = 0.0;
   for (const kinematics::RevoluteJoint& joint : params.arm.joints)
     turn_rad_per_s += start.path.speed_share * joint.limits.velocity_rad_per_s;
@@ -222,10 +227,11 @@ std::string ToJson(const GuardReport& r) {
 int RunGuard(const GuardOptions& options) {
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("guard", "--cpu: " + wrong);
-  OutputThread output;  // so that the relay's thread never waits for the terminal
+  // prints in a thread of its own, so that the relay's thread never waits for the terminal
+  OutputThread output;
   base::InstallInterrupt();
 
-  // the guard does not rely on what the controller has read: it reads the cell's files itself
+  // the guard reads the cell's files itself, so that it does not depend on the controller
   config::CellConfig cell;
   GuardReport report;
   {

@@ -21,11 +21,11 @@
 namespace osteon::session {
 namespace {
 
-constexpr double kEvenDensity_kg_per_m3 = 1000.0;  // of PackSource::even
+constexpr double kEvenDensity_kg_per_m3 = 1000.0;  // density of PackSource::even
 constexpr double kMaxLength_mm = 10'000.0;         // largest magnitude of a number that ParseNumbers accepts
 
-/// Finds the materials of these names in the given file or, without one, in the files of the configuration:
-/// each material in the first file that has it.
+/// Finds materials by their names, in the given file or, without one, in the configuration's files; there
+/// each material is taken from the first file that has it.
 tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
     const SourceOptions& options, const std::vector<std::string>& names) {
   std::vector<simulation::Material> found;
@@ -52,7 +52,8 @@ tl::expected<std::vector<simulation::Material>, std::string> SelectMaterials(
   return picked;
 }
 
-/// Finds a scene's YAML file by its path or name. @param option  begins the error
+/// Finds a scene's YAML file by its path or name. @param option  name of the option, for the beginning of the
+/// error
 tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& options,
                                                            const std::string& name,
                                                            const std::string& option) {
@@ -66,7 +67,7 @@ tl::expected<std::filesystem::path, std::string> SceneFile(const SourceOptions& 
   });
 }
 
-/// Reads the places of a tool path [m] from a CSV file in mm.
+/// Reads the positions of a tool path from a CSV file in mm. @returns them in m
 tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::path& file) {
   std::ifstream lines(file);
   if (!lines || std::filesystem::is_directory(file))
@@ -77,7 +78,8 @@ tl::expected<std::vector<Vector3>, std::string> ReadPath(const std::filesystem::
   constexpr std::size_t kMaxPoints = 100'000;  // a longer path is refused
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.ends_with('\r')) line.pop_back();
-    if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;  // empty, or header
+    // empty line, or header
+    if (line.empty() || (number == 1 && line.find_first_of("xX") != line.npos)) continue;
     const auto values = ParseNumbers(line, 3, fmt::format("--path {}:{}", file.string(), number));
     if (!values) return tl::make_unexpected(values.error());
     if (points.size() == kMaxPoints)
@@ -95,8 +97,8 @@ std::string PlaceText(const PlainVector3& p) {
   return fmt::format("({:g}, {:g}, {:g}) mm", p.x * 1e3, p.y * 1e3, p.z * 1e3);
 }
 
-/// Chooses where the bone is cut: the command line's zone, else the scene's zone if there is a site, else
-/// everywhere.
+/// Chooses the zone in which the bone is cut: that of the command line, else that of the scene if there is a
+/// site, else the whole bone.
 tl::expected<void, std::string> ChooseZone(const SourceOptions& options, PackSource& source) {
   source.zone_is_uniform = false;
   if (options.path) {
@@ -137,7 +139,7 @@ tl::expected<void, std::string> ChooseZone(const SourceOptions& options, PackSou
   return {};
 }
 
-/// Mass properties of an evenly filled box, about its centre.
+/// Returns the mass properties of a box of uniform density, about its centre.
 simulation::MassProperties EvenBox(const Vector3& size_m) {
   simulation::MassProperties even;
   even.volume_m3 = size_m.prod();
@@ -147,7 +149,7 @@ simulation::MassProperties EvenBox(const Vector3& size_m) {
   return even;
 }
 
-/// Mass properties of an evenly filled ball, about its centre.
+/// Returns the mass properties of a ball of uniform density, about its centre.
 simulation::MassProperties EvenBall(double radius_m) {
   simulation::MassProperties even;
   even.volume_m3 = 4.0 / 3.0 * std::numbers::pi * std::pow(radius_m, 3);
@@ -156,7 +158,7 @@ simulation::MassProperties EvenBall(double radius_m) {
   return even;
 }
 
-/// Makes ball:R or box:X,Y,Z.
+/// Makes the shape of an input "ball:R" or "box:X,Y,Z".
 tl::expected<void, std::string> LoadShape(const SourceOptions& options, PackSource& source) {
   const bool ball = options.input.starts_with("ball:");
   const std::string numbers = options.input.substr(options.input.find(':') + 1);
@@ -179,7 +181,7 @@ tl::expected<void, std::string> LoadShape(const SourceOptions& options, PackSour
   return {};
 }
 
-/// Loads solid, site and materials of a scene, and the scene itself as `source.own`.
+/// Loads solid, site and materials of a scene, and stores the scene itself in `source.own`.
 tl::expected<void, std::string> LoadScene(const SourceOptions& options, PackSource& source) {
   const auto file = SceneFile(options, options.input, options.input);
   if (!file) return tl::make_unexpected(file.error());
@@ -280,7 +282,7 @@ tl::expected<PackSource, std::string> LoadPackSource(const SourceOptions& option
                       : is_mesh ? LoadMeshSource(options, source)
                                 : LoadScene(options, source);
   if (!loaded) return tl::make_unexpected(loaded.error());
-  if (!is_shape) {  // a mesh, or the scene's YAML
+  if (!is_shape) {  // the input is a file: a mesh or a scene
     const auto crc =
         simulation::FileChecksum(is_mesh ? std::filesystem::path(input) : *SceneFile(options, input, input));
     if (!crc) return tl::make_unexpected(crc.error().Text());

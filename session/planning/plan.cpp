@@ -17,21 +17,23 @@ namespace {
 using simulation::PackingKind;
 using simulation::PackingLevel;
 
-// Fractions of the demanded error: 0.8 for removal and tool together, of which the tool may take 0.1. The
-// rest is kept since the closed forms are accurate to a fifth.
+// Fractions of the demanded error: removal and tool together may cause 0.8 of it, the tool alone 0.1. The
+// rest is a reserve, because the closed forms of the error are accurate to a fifth.
 constexpr double kRemovalShare = 0.8, kToolShare = 0.1;
-constexpr double kCoarser = 1.2;      // factor on the error if a frame takes too long
+constexpr double kCoarser = 1.2;      // factor by which the error is raised if frames take too long
 constexpr double kMaxError_m = 5e-3;  // no packing with a larger error is planned
 constexpr double kMaxBalls = 20e6;    // no packing with more balls is planned
-// Number of balls from which on splitting is considered. For the same error a frame of split balls takes 1.2
-// to 44 times as long as a frame of graded balls (packing_kinds.csv). A tenth of the balls is an advantage
-// only where a bone could not be packed otherwise.
+// Split packings are considered only if the other kinds need more balls than this. For the same error a frame
+// of split balls takes 1.2 to 44 times as long as a frame of graded balls (packing_kinds.csv). A split
+// packing needs a tenth of the balls, but this is an advantage only if the bone could not be packed
+// otherwise.
 constexpr double kManyBalls = 500e3;
 
-/// Chooses, among the kinds that can reach the error, the one that is expected to have the shortest frames:
-/// of the two kinds without splitting, the one with fewer balls. Beyond `kManyBalls`, and in a thin wall, it
-/// chooses among all kinds the one with the fewest balls after the cut, children included: at the rims of a
-/// hole through a wall, graded balls leave more bone than the closed forms predict.
+/// Chooses the kind of packing that reaches the error with the shortest expected frames. Of the two kinds
+/// without splitting this is the one with fewer balls. If both have more than kManyBalls balls, or if the cut
+/// goes through a thin wall, split packings are considered too, and the kind with the fewest balls after the
+/// cut, children included, is chosen. (At the rim of a hole through a wall, graded balls leave more bone than
+/// the closed forms predict.)
 std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation::DepthVolumes& volumes,
                                         double error_m) {
   std::optional<PackingLevel> best;
@@ -41,7 +43,7 @@ std::optional<PackingLevel> ChooseLevel(const PlanScene& scene, const simulation
     if (!level) continue;
     const double balls = volumes.ExpectedBalls(*level) + simulation::ExpectedChildren(*level, scene.cut);
     if (balls >= fewest) continue;
-    // splitting is tried last
+    // kSplit is tried last, after the other kinds
     if (kind == PackingKind::kSplit && best && fewest <= kManyBalls && scene.cut.wall_m == 0.0) continue;
     fewest = balls;
     best = level;
@@ -55,23 +57,25 @@ double UniformBalls(const PlanScene& scene, const simulation::DepthVolumes& volu
   return level ? volumes.ExpectedBalls(*level) : 0.0;
 }
 
-/// Two packings of one kind, with their times.
+/// Two packings of one kind, with the measured times of their frames.
 struct Calibration {
   std::string engine, device;
   std::vector<PackedLevel> others;
   std::vector<simulation::FrameGroup> groups;
-  double reach_ratio{1.0};  ///< balls that a frame worked on, over the balls within reach before the cut
+  double reach_ratio{1.0};  ///< number of active balls of a frame, divided by the number of balls within
+                            ///< reach before the cut
 };
 
-/// Packs the scene's solid on a level.
+/// Packs the scene's solid at a level of fineness.
 PackedLevel PackBalls(const PlanScene& scene, const PackingLevel& level) {
   return {.level = level, .balls = simulation::PackLevel(level, *scene.work.solid, *scene.work.zone)};
 }
 
-/// Times two packings besides the planned one: coarser, or finer if a wall leaves no coarser one.
+/// Measures the frame times of two other packings than the planned one. They are coarser, or finer if a thin
+/// wall allows no coarser one.
 tl::expected<Calibration, std::string> Calibrate(const PlanScene& scene, const PackingLevel& level,
                                                  const simulation::Tool& tool, const PlanRequest& request) {
-  std::vector<double> factors{1.15, 1.8};  // on the planned level's spacing
+  std::vector<double> factors{1.15, 1.8};  // factors on the planned level's spacing
   if (!simulation::FitsWall(simulation::Scaled(level, factors.back(), scene.cut), scene.cut))
     factors = {1.0 / 1.15, 1.0 / 1.5};
   Calibration calibration;
@@ -110,7 +114,7 @@ void PredictFrameTime(FidelityPlan& plan, const PlanScene& scene, const Calibrat
   plan.frame_p999_us = plan.cost.tail_ratio * plan.frame_us;
 }
 
-/// Chooses the tool for an error, and measures its gap; no level is chosen yet.
+/// Chooses the tool for an error and measures its gap. Leaves the level empty.
 ModelChoice ChooseTool(const PlanScene& scene, double error_m) {
   ModelChoice model{.tool = ToolForError(scene, error_m), .level = {}};
   model.tool_gap_m = simulation::MeanCuttingGap(scene.work.tool, model.tool);
@@ -152,7 +156,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
   std::optional<FidelityPlan> finest;
   for (double target_m = removal_m; target_m < kMaxError_m; target_m *= kCoarser) {
     const auto next = ChooseLevel(scene, volumes, target_m);
-    if (!next) continue;  // no packing is that fine
+    if (!next) continue;  // no packing reaches this error: try a larger one
     if (level && next->kind == level->kind && next->fine.spacing_m <= level->fine.spacing_m)
       break;  // there is no coarser packing
     level = next;
@@ -169,12 +173,12 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
     SetPackedLevel(plan, scene, *level);
     PredictFrameTime(plan, scene, calibrations.at(level->kind));
     if (!finest) finest = plan;
-    // a frame that is too long even without bone is no reason for a coarser packing
+    // if a frame takes too long even without any balls, a coarser packing does not help
     if (plan.frame_us <= max_us || plan.cost.base_us >= max_us) break;
   }
   if (finest && plan.frame_us > max_us) plan = std::move(*finest);  // no coarser packing reaches the rate
   if (!level) return tl::make_unexpected("no packing of this bone serves a cut by this tool");
-  // a coarser packing promises the error for which it would have been chosen
+  // if the packing is coarser than demanded, promise the error for which it would have been chosen
   plan.promised_m = std::max(request.error_m, plan.error_m / kRemovalShare);
   if (plan.promised_m > (1.0 + 1e-6) * request.error_m)
     plan.unmet.push_back(
@@ -194,7 +198,7 @@ tl::expected<FidelityPlan, std::string> MakePlan(const PlanScene& scene, const P
 
 std::optional<CoarserZones> CoarserFor(const PlanScene& scene, const FidelityPlan& plan,
                                        const PackingLevel& level, double seen_us, double max_us) {
-  // active balls of a level at the spacing a: the plan's at its own spacing, times (a_plan / a)²
+  // a level with spacing a has the plan's number of active balls times (a_plan / a)²
   const double planned_m = plan.packed.level.fine.spacing_m;
   const auto model_us = [&](const PackingLevel& at) {
     const double ratio = planned_m / at.fine.spacing_m;

@@ -17,23 +17,24 @@
 namespace osteon::session {
 namespace {
 
-// Number of frames in an engine's turn, and number of frames at the turn's start that do not count: on an
-// H100, a frame takes 100 us longer after one of another engine.
+// Engines are timed in turns of kTurn frames. The first kSettle frames of a turn are not counted, because on
+// an H100 a frame takes 100 us longer directly after a frame of another engine.
 constexpr std::size_t kTurn = 25, kSettle = 3;
-constexpr double kFeed_m_per_s = 5e-3;  // feed of a cutting tool, assumed
+constexpr double kFeed_m_per_s = 5e-3;  // assumed feed speed of a cutting tool
 
 bool IsMesh(const std::string& input) {
   const std::string extension = base::Lower(std::filesystem::path(input).extension().string());
   return extension == ".stl" || extension == ".obj" || extension == ".ply";
 }
 
-/// Returns the scene that is cut, or that the mesh replaces.
+/// Returns the scene that is cut, or whose solid the mesh replaces.
 std::string SceneOf(const PlanChoice& choice) {
   if (!IsMesh(choice.scene)) return choice.scene;
   return choice.mesh_scene.empty() ? "acetabulum" : choice.mesh_scene;
 }
 
-/// Returns the chosen cell's file, else the cell named like the scene if there is one, else the demo's.
+/// Returns the chosen cell's file, else the file of the cell with the scene's name if there is one, else the
+/// demo cell's file.
 std::filesystem::path CellOf(const PlanChoice& choice) {
   if (!choice.cell.empty()) return choice.cell;
   const std::filesystem::path own =
@@ -41,7 +42,7 @@ std::filesystem::path CellOf(const PlanChoice& choice) {
   return std::filesystem::is_regular_file(own) ? own : choice.config_root / "cells" / "demo.yaml";
 }
 
-/// Returns the figures of the simulated arm that decide about the error of the tool's pose.
+/// Returns the figures of the simulated arm that determine the error of the tool's pose.
 simulation::ArmFigures ArmOf(const config::CellConfig& cell) {
   const hil::SimulatedCellParams& simulated = cell.simulated;
   simulation::ArmFigures arm{
@@ -124,7 +125,7 @@ tl::expected<std::vector<LevelRun>, std::string> RunLevels(const PlanScene& scen
       if (base::Interrupted()) return tl::make_unexpected("ended by Ctrl-C");
       const std::size_t end = std::min(begin + kTurn, scene.work.frames.size());
       for (std::size_t i = 0; i < engines.size(); ++i) {
-        // each round of turns begins with another engine
+        // rotate the order of the engines from round to round
         const std::size_t which = (i + begin / kTurn) % engines.size();
         simulation::CuttingEngine& engine = *engines[which];
         LevelRun& run = runs[which];
@@ -164,7 +165,7 @@ simulation::CutAccuracy MeasureLevel(const PlanScene& scene, const PackedLevel& 
 }
 
 double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>& balls) {
-  constexpr std::size_t kPoses = 12;  // evenly spaced along the cut
+  constexpr std::size_t kPoses = 12;  // number of poses, evenly spaced along the cut
   const double reach_m = scene.work.cutting.normal_enlargement_m;
   double sum = 0.0;
   for (std::size_t i = 0; i < kPoses; ++i) {
@@ -177,7 +178,7 @@ double BallsInReach(const PlanScene& scene, const std::vector<simulation::Ball>&
       for (std::size_t t = 0; t < centers.size(); ++t)
         gap_m = std::min(gap_m, (Vector3(ball.center_m) - centers[t]).norm() -
                                     scene.work.tool.balls[t].radius_m - ball.radius_m);
-      // a ball that lies wholly within the tool does not count: it has been cut away
+      // a ball that lies wholly within the tool has been cut away and does not count
       if (gap_m < reach_m && gap_m > -2.0 * ball.radius_m) sum += 1.0;
     }
   }

@@ -10,7 +10,7 @@
 namespace osteon::session {
 namespace {
 
-// Returns the demands on the packing; nothing if there are none.
+// Returns the demands on the packing, from the command line and the scene; nothing if there are none.
 std::optional<simulation::FidelityRequest> RequestedFidelity(const CellSetup& setup,
                                                              const FidelityChoice& choice) {
   std::optional<simulation::FidelityRequest> asked = setup.config.scene.fidelity;

@@ -25,18 +25,19 @@ struct PlannedCell {
   FidelityPlan plan;
 };
 
-/// Packs the bone of a prepared cell as coarsely as its error and rate allow (plan.h), and sets the cell's
-/// tool and cutting to the plan's. Uses the scene's own packing if the choice says so, or if neither scene
-/// nor choice demands anything. A loaded bone stays.
-/// @param timed  measure frame times of the engine first; false: only the closed forms decide, with the same
-/// result on every machine
+/// Packs the bone of a prepared cell as coarsely as its error and rate allow (plan.h), and replaces the
+/// cell's tool and cutting parameters by those of the plan. Uses the scene's own packing if the choice says
+/// so, or if neither scene nor choice demands anything. A bone that was loaded from a packing file is not
+/// changed.
+/// @param timed  true: frame times of the engine are measured first; false: the plan is made by closed forms
+/// alone, with the same result on every machine
 /// @returns an error if the plan fails, or if an error or a rate is demanded of a loaded bone or of a scene
 /// that is cut along neither cup nor path.
 [[nodiscard]] tl::expected<void, std::string> PackCell(
     CellSetup& setup, const FidelityChoice& choice, const EngineChoice& engine, bool timed,
     const std::function<void(const std::string&)>& say = {});
 
-/// A recording's event that describes a planned bone begins with this.
+/// Beginning of the text of a recorded event that describes a planned bone.
 inline constexpr const char* kPackingEvent = "packing: ";
 
 /// Describes the plan in one line, for summary and recording.

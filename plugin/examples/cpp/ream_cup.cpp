@@ -1,5 +1,5 @@
-// Reams the shipped acetabulum with Eigen's types: a hand that holds the reamer as a mass of 2 kg, pressed
-// with 40 N along the cup's axis, is stopped and let in by the bone.
+// Reams the shipped acetabulum with Eigen's types: hand and reamer are a mass of 2 kg, which is pressed with
+// 40 N along the cup's axis. The bone stops the mass, and lets it in as it is cut.
 //
 //     find_package(osteon 1.0 REQUIRED)
 //     find_package(Eigen3 REQUIRED NO_MODULE)
@@ -76,7 +76,7 @@ int main() {
     OsteonWrench wrench;
     Check(osteon_session_evaluate(session.get(), &pose, &twist, &wrench));
     const Eigen::Map<const Eigen::Vector3d> force_N(wrench.force_N);
-    // the held mass, moved by the push, the bone's force and the hand's damping
+    // the mass moves under the push, the bone's force and the hand's damping
     v_GT += dt_s / mass_kg * (push_N + force_N - damping_Ns_per_m * v_GT);
     X_GT.translation() += dt_s * v_GT;
     if (ms % 1000 != 0) continue;

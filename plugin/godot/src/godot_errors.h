@@ -7,7 +7,7 @@
 
 namespace osteon::godot {
 
-/// The base of a class whose methods can fail: it keeps the text of the last failure, for last_error().
+/// The base of a class whose methods can fail. It stores the text of the last call's error, for last_error().
 class ErrorKeeper {
  public:
   ErrorKeeper(const ErrorKeeper&) = delete;
@@ -15,17 +15,18 @@ class ErrorKeeper {
 
   Value LastError(const Arguments& /*arguments*/) { return ErrorText(); }
 
-  /// Keeps a text; empty: the last call succeeded. @returns the text
+  /// Stores the last call's error text; empty: the call succeeded. @returns the text
   std::string Keep(const std::string& text) { return error_ = text; }
 
  protected:
-  /// @param closed  error text of a call while nothing is open: what is missing, and what to do
+  /// @param closed  error text for calls before anything was opened: what is missing, and what to do
   explicit ErrorKeeper(const char* closed) : closed_(closed) {}
   virtual ~ErrorKeeper() = default;
 
-  /// Keeps the error in the arguments of a call. @param mismatch  empty: none  @returns whether there is none
+  /// Stores what is wrong with a call's arguments. @param mismatch  the error; empty: none  @returns whether
+  /// there is none
   bool Succeeds(const std::string& mismatch) { return Keep(mismatch).empty(); }
-  /// Keeps the text of the error with which a function of osteon.h failed. @returns whether it succeeded
+  /// Stores the error text of a call of a function of osteon.h. @returns whether that call succeeded
   bool Succeeds(OsteonResult result) {
     if (result == OSTEON_OK)
       error_.clear();
@@ -35,7 +36,7 @@ class ErrorKeeper {
       error_ = osteon_last_error();
     return result == OSTEON_OK;
   }
-  /// For Godot: empty, or what was found and what is accepted.
+  /// The last call's error text as a Godot value; empty if the call succeeded.
   [[nodiscard]] Value ErrorText() const { return Value(error_); }
 
  private:

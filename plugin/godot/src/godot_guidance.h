@@ -7,8 +7,8 @@
 
 namespace osteon::godot {
 
-/// The NativeScript class OsteonGuidance (base Reference): a surgical plan, and the guidance that holds a
-/// hand to it, in Godot's axes. Failures as in OsteonSession.
+/// The NativeScript class OsteonGuidance (base Reference): a surgical plan, and the guidance that keeps a
+/// hand to the plan, in Godot's axes. Methods report failures as those of OsteonSession do.
 class GodotGuidance final : public ErrorKeeper {
  public:
   GodotGuidance() : ErrorKeeper("no plan is open: call open() first") {}
@@ -27,7 +27,7 @@ class GodotGuidance final : public ErrorKeeper {
 
   Value IsOpen(const Arguments& /*arguments*/) { return Value::Bool(guidance_.IsOpen()); }
 
-  /// The plan: where the cup goes, its angles [degrees], how many reamers lead there.
+  /// The plan as a Dictionary: position of the cup, its angles [degrees], number of reamers.
   Value Info(const Arguments& /*arguments*/) {
     host::PlanInfo info;
     if (!Succeeds(plan_.GetInfo(&info))) return {};
@@ -54,8 +54,9 @@ class GodotGuidance final : public ErrorKeeper {
     return result.ToValue();
   }
 
-  /// evaluate(pose, linear, angular, other_force, other_torque): call it once per period. The other wrench,
-  /// that of OsteonSession.force, takes precedence at the force limit.
+  /// evaluate(pose, linear, angular, other_force, other_torque): call it once per period. other_force and
+  /// other_torque are the wrench that OsteonSession.force returned. At the force limit this wrench takes
+  /// precedence over the guidance.
   Value Evaluate(const Arguments& arguments) {
     constexpr auto kVector = GODOT_VARIANT_TYPE_VECTOR3;
     if (!Succeeds(arguments.Mismatch("evaluate",

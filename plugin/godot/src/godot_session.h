@@ -10,7 +10,7 @@
 
 namespace osteon::godot {
 
-/// Converts a text for osteon.h, where null stands for a name that is not given.
+/// Converts a text for osteon.h: an empty text becomes null, which means that no name is given.
 inline const char* OrNull(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
 
 inline host::Vector TripleOf(const double* values) { return {values[0], values[1], values[2]}; }
@@ -18,8 +18,8 @@ inline host::Vector TripleOf(const double* values) { return {values[0], values[1
 /// The NativeScript class OsteonSession (base Reference): osteon_host.h for GDScript, in Godot's axes.
 ///
 /// A method that can fail returns a String: empty, or what was found and what is accepted. force(),
-/// figures(), deflection(), assess(), surface_changes() and next_event() return zero, null or nothing
-/// instead; last_error() then has the text.
+/// figures(), deflection(), assess(), surface_changes() and next_event() return zero, null or nothing if they
+/// fail; last_error() then has the error's text.
 class GodotSession final : public ErrorKeeper {
  public:
   GodotSession() : ErrorKeeper("the session is not open: call open() first") {}
@@ -162,8 +162,8 @@ class GodotSession final : public ErrorKeeper {
     return ErrorText();
   }
 
-  /// assess(plan, rubric): each a name or a file. Empty: the plan "acetabulum", the rubric of the plan's
-  /// kind.
+  /// assess(plan, rubric): each is a name or a file. An empty plan means "acetabulum", an empty rubric that
+  /// of the plan's kind.
   Value Assess(const Arguments& arguments) {
     if (!Succeeds(arguments.Mismatch("assess", {GODOT_VARIANT_TYPE_STRING, GODOT_VARIANT_TYPE_STRING})))
       return {};
@@ -202,7 +202,7 @@ class GodotSession final : public ErrorKeeper {
 
   Value Version(const Arguments& /*arguments*/) { return Value(std::string(osteon_version())); }
 
-  /// The assumptions that made a solid of the bone's mesh; empty: there were none.
+  /// The assumptions that were needed to make a solid from the bone's mesh; empty: none.
   Value BoneWarning(const Arguments& /*arguments*/) {
     return Value(std::string(osteon_bone_warning(session_.bone())));
   }

@@ -15,7 +15,7 @@ constexpr int kMeshArrays = 9;  // ArrayMesh.ARRAY_MAX
 // indices of Godot's Mesh.ArrayType
 constexpr int kVertexArray = 0, kNormalArray = 1, kColorArray = 3, kIndexArray = 8;
 
-// The engine's own arrays hold these as plain numbers.
+// Godot's arrays store vectors and colours as plain floats, so that data can be copied at once.
 static_assert(sizeof(godot_vector3) == 3 * sizeof(float) && sizeof(godot_color) == 4 * sizeof(float));
 static_assert(sizeof(godot_int) == sizeof(std::int32_t));
 
@@ -179,7 +179,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   } else if (auto* const* index = std::get_if<std::uint32_t*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_INT) return "int";
     const std::int64_t given = api->godot_variant_as_int(value);
-    // A number out of range becomes the largest number, which the library then refuses.
+    // A number that is out of range becomes UINT32_MAX, which the library refuses.
     **index = given < 0 || given > INT32_MAX ? UINT32_MAX : static_cast<std::uint32_t>(given);
   } else if (auto* const* vector = std::get_if<host::Vector*>(&field.value)) {
     if (found != GODOT_VARIANT_TYPE_VECTOR3) return "Vector3";
@@ -188,7 +188,7 @@ const char* TakeValue(const Field& field, const godot_variant* value) {
   return "";
 }
 
-/// Stores the value of a key in the field of that name. @returns an empty text, or the error
+/// Stores the value of a Dictionary's key in the field of that name. @returns an empty text, or the error
 std::string TakeKey(const char* method, const std::string& key, const godot_variant* value,
                     std::initializer_list<Field> fields) {
   std::string accepted;

@@ -45,7 +45,8 @@ class Value {
     api->godot_variant_new_bool(&result.value_, value);
     return result;
   }
-  /// A brick as ArrayMesh.add_surface_from_arrays takes it; empty if the brick has gone.
+  /// A brick's mesh in the form that ArrayMesh.add_surface_from_arrays accepts; empty if the brick was
+  /// removed.
   static Value MeshArrays(const host::Brick& brick);
 
  private:
@@ -87,7 +88,8 @@ class Arguments {
  public:
   Arguments(int count, godot_variant** values) : count_(count), values_(values) {}
 
-  /// Empty, or what is wrong: an integer serves as a real number, nothing else as another type.
+  /// Checks number and types of the arguments. Returns an empty text, or what is wrong. An integer is
+  /// accepted as a real number; no other type is converted.
   [[nodiscard]] std::string Mismatch(const char* method,
                                      std::initializer_list<godot_variant_type> accepted) const;
 

@@ -1,4 +1,4 @@
-// The parts of the library that Godot finds: its entry points, and the NativeScript classes OsteonSession and
+// The parts of the library that Godot uses: the entry points, and the NativeScript classes OsteonSession and
 // OsteonGuidance.
 #include <exception>
 #include <string>
@@ -25,7 +25,7 @@ GDCALLINGCONV void Destroy(godot_object* /*instance*/, void* /*data*/, void* obj
   delete static_cast<Class*>(object);
 }
 
-/// Calls a method for Godot: an exception, which must not reach Godot, becomes a returned text.
+/// Calls a method for Godot. No exception may reach Godot, so an exception becomes a returned text.
 template <class Class, auto kMethod>
 GDCALLINGCONV godot_variant Call(godot_object* /*instance*/, void* /*data*/, void* object, int count,
                                  godot_variant** values) {

@@ -184,7 +184,7 @@ void UOsteonBoneComponent::UpdateMesh() {
   std::vector<osteon::host::Brick> Changed;
   Succeeds(HostSession.TakeChangedBricks(&Changed));
   for (const osteon::host::Brick& Brick : Changed) {
-    // each brick keeps the section that it got when it first appeared
+    // each brick keeps the mesh section that it was given when it first appeared
     const int32* Known = Sections.Find(Brick.number);
     const int32 Section = Known ? *Known : Sections.Num();
     if (!Known) Sections.Add(Brick.number, Section);

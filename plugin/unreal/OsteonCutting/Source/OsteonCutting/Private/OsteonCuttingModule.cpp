@@ -1,4 +1,4 @@
 #include "Modules/ModuleManager.h"
 
-// The entry point by which Unreal loads the plugin; nothing is done at its start or end.
+// The entry point by which Unreal loads the plugin. The module does nothing when it is loaded or unloaded.
 IMPLEMENT_MODULE(FDefaultModuleImpl, OsteonCutting)

@@ -14,15 +14,16 @@ AOsteonReamCup::AOsteonReamCup() {
 void AOsteonReamCup::Tick(float DeltaTime) {
   Super::Tick(DeltaTime);
   if (!Bone->IsOpen()) return;
-  constexpr double kStart_cm = -1.6;  // height of the apex over the site's centre where the feed begins
-  constexpr double kTurn_s = 5.0;     // time from there to the turning point, and back
+  constexpr double kStart_cm = -1.6;  // height of the apex over the site's centre at which the feed begins
+  // time from the start to the turning point, and again from there to the start
+  constexpr double kTurn_s = 5.0;
   const double Before_s = std::fmod(Seconds, 2.0 * kTurn_s);
   Seconds += DeltaTime;
   const double Now_s = std::fmod(Seconds, 2.0 * kTurn_s);
   const double Fed_s = Now_s < kTurn_s ? Now_s : 2.0 * kTurn_s - Now_s;
   const FTransform Pose = Bone->Approach(kStart_cm - 0.1 * Feed_mm_per_s * Fed_s);
   Tool->SetRelativeTransform(Pose);
-  // the velocity counts in the coupling's damping; +z points out of the cup
+  // the coupling's damping needs the velocity; +z points out of the cup
   const FVector Velocity(0.0, 0.0, (Now_s < kTurn_s ? -0.1 : 0.1) * Feed_mm_per_s);
   FVector Force_N, Torque_Nm;
   if (Bone->GetWrench(Pose, Velocity, FVector(0.0, 0.0, 0.0), Force_N, Torque_Nm) &&

@@ -4,8 +4,8 @@
 #include "OsteonTypes.h"
 #include "osteon_host.h"
 
-/// Whether a call succeeded. A refusal is logged and broadcast, but not again while its text stays the same,
-/// for example in each frame.
+/// Whether a call succeeded. A refusal is logged and broadcast. A refusal that repeats with the same text,
+/// for example in each frame, is logged and broadcast only once.
 inline bool OsteonSucceeds(OsteonResult Result, FString& LastRefusal, FOsteonRefused& OnRefused) {
   if (Result == OSTEON_OK) return true;
   const FString Text = UTF8_TO_TCHAR(osteon_last_error());

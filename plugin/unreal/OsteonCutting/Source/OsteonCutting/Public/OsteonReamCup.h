@@ -6,8 +6,9 @@
 
 #include "OsteonReamCup.generated.h"
 
-/// A sample: place this actor in a level and play. Its reamer feeds into the shipped acetabulum and comes
-/// back, in ten seconds; the bone's mesh follows the cut, and the log says force and volume at each turn.
+/// A sample: place this actor in a level and play. Its reamer moves into the shipped acetabulum and back
+/// within ten seconds. The bone's mesh follows the cut, and the log reports force and volume at each turning
+/// point.
 UCLASS()
 class OSTEONCUTTING_API AOsteonReamCup : public AActor {
   GENERATED_BODY()

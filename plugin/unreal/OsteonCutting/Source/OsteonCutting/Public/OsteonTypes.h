@@ -4,26 +4,26 @@
 
 #include "OsteonTypes.generated.h"
 
-// Values that the components exchange with Blueprints. Lengths and places are Unreal's centimetres, in the
+// Values that the components exchange with Blueprints. Lengths and positions are in centimetres, in the
 // bone's frame, unless a name says otherwise.
 
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_OneParam(FOsteonRefused, const FString&, Text);
 DECLARE_DYNAMIC_MULTICAST_DELEGATE_ThreeParams(FOsteonSceneEvent, const FString&, Name, double, Value_mm,
                                                const FVector&, Position);
 
-/// The parts that give way, each switched by itself. A figure of 0 stands for the library's default, a mount
-/// of 12 kg and 10 Hz.
+/// The compliant parts, each with its own switch. A figure of 0 means the library's default: a mount of 12 kg
+/// and 10 Hz.
 USTRUCT(BlueprintType)
 struct FOsteonCompliance {
   GENERATED_BODY()
 
-  /// The tool bends as its file says.
+  /// Whether the tool bends, by the figures in its file.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   bool bTool = false;
-  /// Soft tissue on the surface yields as the bone's materials say.
+  /// Whether soft tissue on the surface yields, by the figures of the bone's materials.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   bool bLayer = false;
-  /// The bone moves on its mount.
+  /// Whether the bone moves on its mount.
   UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Osteon")
   bool bMount = false;
   /// Time between two calls of GetWrench, in milliseconds.
@@ -42,7 +42,7 @@ struct FOsteonCompliance {
   FVector MountStiffness_Nm_per_rad = FVector(0.0, 0.0, 0.0);
 };
 
-/// How far each part has given way.
+/// Displacement of each compliant part.
 USTRUCT(BlueprintType)
 struct FOsteonDeflection {
   GENERATED_BODY()
@@ -59,7 +59,7 @@ struct FOsteonDeflection {
   /// Displacement of the bone at the mount's point.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   FVector Mount = FVector(0.0, 0.0, 0.0);
-  /// Whether any part may give way; if not, all displacements are zero.
+  /// Whether compliance is on; if not, all displacements are zero.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   bool bGivesWay = false;
   /// Whether a displacement is beyond its limit: the caller should stop.
@@ -80,7 +80,7 @@ struct FOsteonScoreItem {
   /// The measured value; NaN: not measured.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   double Value = 0.0;
-  /// Largest number of points.
+  /// Largest number of points for this row.
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
   double Weight = 0.0;
   UPROPERTY(BlueprintReadOnly, Category = "Osteon")
