@@ -16,7 +16,7 @@ struct TuneOptions {
   /// A file of `osteon identify` for this cell; empty: the cell's own, if it names one.
   std::filesystem::path identified{};
   std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
-  double worst_age_ms{2.0};      ///< largest age of a contact model's pose
+  double worst_age_ms{2.0};      ///< largest age of the pose for which a contact model was computed
   double margin{1.1};            ///< gain margin that the recommended gains must have
   std::optional<double> loss{};  ///< share of lost commands; default: as identified, else 0.01
   /// Whole periods of the cell. Default: as identified; otherwise one period, but at least 1 ms.

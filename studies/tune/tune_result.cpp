@@ -13,7 +13,7 @@
 namespace osteon::studies {
 namespace {
 
-// Mass and drag as text.
+// Mass and drag of these gains as text.
 std::string MassAndDragText(const TuneGains& gains) {
   return fmt::format("{:.3g} kg, {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
 }
@@ -39,7 +39,7 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
-// An oscillation that remains between 5 and 40 Hz is bad above this force, and a warning below it.
+// Force between 5 and 40 Hz. An oscillation that remains above it is bad; below it, a warning.
 constexpr double kShaken_N = 5.0;
 
 // Adds a reason if a stiff hand keeps oscillating although the vibration index acts.

@@ -5,8 +5,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the pipeline that computes the rendered wrench from the contact model: coupling, limits and their
-// report.
+// Tests the pipeline that computes the rendered wrench from the contact model: the coupling, the limits, and
+// the report of the limits that act.
 
 namespace osteon::control {
 namespace {
@@ -29,7 +29,7 @@ struct Contact {
         acting));
     return pipeline.Render(*arm, acting);
   }
-  // Long enough for the coupling to fade in.
+  // Runs 500 ticks, long enough for the coupling to fade in.
   safety::LimitedWrench Settle(double depth_m) {
     safety::LimitedWrench rendered;
     for (int i = 0; i < 500; ++i) rendered = Tick(depth_m);
