@@ -104,7 +104,7 @@ TEST(ServoZones, AStopEndsInsideTheZones) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow})
     for (int moment = 40; moment < 400; moment += 40) {
       ServoParams params = WithWallBeside(point);
-      // the rotation brakes so slowly that it alone would carry the point beyond the wall
+      // the rotation brakes so slowly that it takes longer to stop than the distance to the wall allows
       params.stop_deceleration_rad_per_s2 = 2.0;
       ServoBench bench(params, 10.0);
       bench.Run(3);
