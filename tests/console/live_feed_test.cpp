@@ -56,7 +56,7 @@ TEST(LiveFeed, RenderedAndPausedTimeAreCountedSeparately) {
   EXPECT_NEAR(feed.Newest().paused_s, 0.3, 1e-9);
 }
 
-// Of 1000 ticks, one takes 900 µs, twenty take 60 µs, and the others take 30 µs. So the largest time is 900
+// One of 1000 ticks takes 900 µs, twenty take 60 µs, and the others take 30 µs. So the largest time is 900
 // µs, and the 99th percentile is 60 µs.
 TEST(LiveFeed, KeepsTheLargestAndTheNinetyNinthPercentileOfTickTimes) {
   LiveFeed feed;

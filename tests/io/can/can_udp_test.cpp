@@ -308,7 +308,8 @@ class EndlessSender final : public CanClient {
   std::size_t heard_{0};
 };
 
-// Four clients send as many frames as the pump accepts in a tick. The pump needs two system calls for them.
+// Four clients send as many frames as one call of Pump accepts. Pump is called twice, and a single Pump
+// receives all frames.
 TEST(CanPump, ManyFramesOfOneTickArriveCompleteAndInOrder) {
   const auto [a, b] = OpenPair();
   std::vector<EndlessSender> senders{EndlessSender(0x10), EndlessSender(0x20), EndlessSender(0x30),

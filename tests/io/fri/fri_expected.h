@@ -19,7 +19,7 @@ namespace osteon::io::test {
 class Expected {
  public:
   /// @param inside  the message without the frame of 2.7
-  /// @param oracle  libprotobuf's reading of the message; refuses malformed messages
+  /// @param oracle  parses the message with libprotobuf; refuses malformed messages
   Expected(FriFamily family, std::span<const std::uint8_t> inside, const WideOracle& oracle)
       : family_(family), message_(oracle.Parse(inside)) {
     error_ = message_ == nullptr ? CodecError::kMalformed : FirstBrokenRule(WirePart(message_.get()));
