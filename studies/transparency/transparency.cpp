@@ -29,11 +29,11 @@ constexpr const char* kAskedColor = "#777777";
 // with rounding.
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
-// Bounds of the error relative to the requested impedance. Above kNoticed (stiffness in contact) and
+// Bounds of the error relative to the requested impedance. Above kNoticed (stiffness in contact) or
 // kNoticedFree (rms in free motion), a hand may notice the error. Above kSomethingElse, the error is as large
-// as the request, so the hand feels something else than the request. A hand distinguishes stiffnesses from a
-// difference of about 23 % on (L. A. Jones and I. W. Hunter, Exp. Brain Res. 79, 1990), and dampings from 19
-// % on (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 % when one arm is matched with
+// as the request, so the hand feels something else than the request. Source: a hand notices differences of
+// stiffness above about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res. 79, 1990), and of damping above
+// 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 % when one arm is matched with
 // the other, 1993).
 constexpr double kNoticed = 0.23, kNoticedFree = 0.19, kSomethingElse = 1.0;
 // Mean and amplitude of the hand's force in contact, as fractions of the cell's force limit.

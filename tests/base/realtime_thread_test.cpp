@@ -76,8 +76,8 @@ TEST(RealtimeThread, RunsOnItsReservedCpuAndOtherThreadsDoNot) {
     EXPECT_FALSE(other_ran_on.contains(cpu));
     EXPECT_EQ(other_allowed, std::vector<int>(cpus.begin(), cpus.end() - 1));
     EXPECT_FALSE(CpusRunOn().contains(cpu)) << "nor does the thread that reserved it run there";
-    // the CPU is reserved, but a thread still gets it on request. Child processes inherit the restricted set
-    // of CPUs
+    // a thread whose set of CPUs lacks this CPU still gets it on request, because child processes inherit
+    // that set
     ASSERT_EQ(ReserveCpu(cpu), "");
     EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
   });

@@ -13,8 +13,8 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-// Sends one illegal command. Expects that the arm stops for this reason, names the joint in `text`, and stays
-// where it was.
+// Sends one illegal command. Expects that the arm stops for this reason, that the stop names the joint and
+// its description contains `text`, and that the arm stays where it was.
 void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, const std::string& text,
                 SessionState from = SessionState::kCommandingActive) {
   Session s;

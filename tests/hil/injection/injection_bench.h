@@ -18,7 +18,7 @@ inline InjectionParams Always(const WireFaults& faults, Wire wire = Wire::kArm,
           .seed = seed};
 }
 
-/// Whether the sum of the counters equals the number of datagrams that were pushed.
+/// Whether the counters account for every datagram that was pushed or duplicated.
 inline bool Balances(const ImpairedWire& wire) {
   const WireCounters& n = wire.counters();
   return n.pushed + n.duplicated == n.passed + n.lost + n.silenced + n.overflow + wire.waiting();

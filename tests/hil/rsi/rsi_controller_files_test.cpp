@@ -281,8 +281,7 @@ TEST(RsiControllerFiles, TheRobotProgramStartsRsiInTheSessionsMode) {
   EXPECT_THAT(program, HasSubstr("RSI_CREATE(\"OsteonContext\""));
   EXPECT_THAT(program, HasSubstr(fmt::format("RSI_ON({},{})", session.absolute ? "#ABSOLUTE" : "#RELATIVE",
                                              session.cycle_ms == 4 ? "#IPO_FAST" : "#IPO")));
-  // The program must create the link before it starts RSI and halt in between, so that the link listens
-  // before RSI begins.
+  // The PC's link must listen before RSI begins. Therefore the program halts between RSI_CREATE and RSI_ON.
   EXPECT_LT(program.find("RSI_CREATE("), program.find("RSI_ON("));
   EXPECT_LT(program.rfind("\nHALT\n", program.find("RSI_ON(")), program.find("RSI_ON("));
 }
