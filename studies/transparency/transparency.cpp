@@ -57,7 +57,7 @@ HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOpti
   bench.X_FT = cell.tool.X_FT;
   bench.arm_angle_rad = cell.start.arm_angle_rad;
   bench.sensor_feels_inertia = cell.simulated.sensor_feels_inertia;
-  bench.servo.admittance.locked = {};  // measures an axis as if it were not locked
+  bench.servo.admittance.locked = {};  // an axis that the cell locks is measured as if it were free
   bench.sensor_delay_ticks = options.sensor_delay_ticks;
   return bench;
 }
@@ -91,7 +91,8 @@ report::Series Curve(const std::string& name, const std::string& color,
   return series;
 }
 
-// Draws magnitude and phase of the impedance, measured and requested: in free motion, then in contact.
+// Draws magnitude and phase of the measured and the requested impedance: first in free motion, then in
+// contact.
 std::string PlotSvg(const TransparencyResult& result) {
   std::array<report::LineChart, 4> panels{
       report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
@@ -292,7 +293,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = FitMassAndDrag(axis.points, kTransparencyFit_hz);
-    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass, at 1 Hz
+    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass: the requested impedance at 1 Hz
     axis.asked_drag = asked.real();
     axis.asked_mass = asked.imag() / kTau;
     double sum = 0.0;

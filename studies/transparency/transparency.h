@@ -26,15 +26,17 @@ struct TransparencyOptions {
 
 /// The range of the measured frequencies.
 inline constexpr double kTransparencyMin_hz = 0.1, kTransparencyMax_hz = 30.0;
-/// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
+/// Upper end of the band of hand motion. Mass and drag are fitted, and the residual is computed, up to this
+/// frequency.
 inline constexpr double kTransparencyFit_hz = 3.0;
 
-/// The measurement of one direction of the tool in free motion.
+/// The measurement along or about one axis of the tool in free motion.
 struct TransparencyAxis {
-  int axis{0};  ///< 0 … 2 along x y z of T, 3 … 5 about them
+  int axis{0};  ///< 0 … 2: along x, y, z of T; 3 … 5: about x, y, z of T
   std::vector<HandlePoint> points;
   HandleFit fit;
-  double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
+  /// requested values; [kg, N s/m], for a rotation [kg m^2, N m s/rad]
+  double asked_mass{0.0}, asked_drag{0.0};
   /// rms of |Z - asked| / |asked| over the band of hand motion; Z is the measured impedance, asked the
   /// requested one.
   double residual{0.0};
@@ -43,13 +45,13 @@ struct TransparencyAxis {
 /// The impedance at the handle, measured and requested, in free motion and in contact.
 struct TransparencyResult {
   std::string cell;
-  std::vector<TransparencyAxis> axes;   ///< six
+  std::vector<TransparencyAxis> axes;   ///< one for each of the six axes
   std::vector<HandlePoint> contact;     ///< along z, against a plane perpendicular to z
-  double asked_stiffness_N_per_m{0.0};  ///< stiffness of the plane
+  double asked_stiffness_N_per_m{0.0};  ///< requested stiffness: that of the plane
   /// Damping of the coupling. The coupling limits it if it would add more than its permitted share of the
   /// force.
   double asked_damping_Ns_per_m{0.0};
-  double stiffness_N_per_m{0.0};                    ///< felt stiffness at the lowest frequency
+  double stiffness_N_per_m{0.0};                    ///< measured stiffness, at the lowest frequency
   double preload_N{0.0}, contact_amplitude_N{0.0};  ///< mean and amplitude of the hand's force in contact
   /// The main figure: the largest residual of the three translations, along which the hand leads the tool.
   [[nodiscard]] double free_residual() const;

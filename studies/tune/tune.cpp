@@ -170,7 +170,7 @@ class Study {
     return One(item, fmt::format("drag {}{}", mass_kg, KeyText(hands)),
                [&] { return MinDragFor(task_, mass_kg, hands); });
   }
-  // BoundaryAt as an item of four numbers; zeros if the item was not computed.
+  // The result of BoundaryAt, stored as an item of four numbers. All are zero if the item was not computed.
   [[nodiscard]] TuneBoundary BoundaryOf(std::size_t item, const TuneGains& gains,
                                         const std::vector<hil::GridHand>& hands, double max_N_per_m) const {
     const std::vector<double> values =
@@ -335,7 +335,7 @@ tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions&
       MapGuidance(task, cell.servo.admittance, *guidance, [] { return base::Interrupted().load(); }));
 }
 
-// Converts a time to whole ticks; the error names the option.
+// Converts a time to whole ticks. If that is not possible, the error names the option.
 tl::expected<int, std::string> Ticks(const char* option, double ms, double period_s) {
   const double ticks = 1e-3 * ms / period_s;
   if (std::abs(ticks - std::round(ticks)) > 1e-6)

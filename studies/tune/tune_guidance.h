@@ -20,8 +20,8 @@ struct GuidanceMap {
   static constexpr int kNodes = 5;        ///< number of stiffnesses along each side of the map
 
   control::GuidanceParams guidance;
-  std::size_t hands{0};  ///< number of hands (each with the lever at which it holds the tool) that are stable
-                         ///< without guidance
+  /// number of hands (each with the lever at which it holds the tool) that are stable without guidance
+  std::size_t hands{0};
   std::vector<std::string> unstable{};  ///< the hands that the plan's guidance makes unstable
   hil::Boundary factor{};         ///< largest stable factor on the plan's stiffnesses of funnel and cone
   hil::Boundary depth_N_per_m{};  ///< largest stable stiffness of the depth spring

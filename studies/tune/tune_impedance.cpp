@@ -21,14 +21,14 @@ namespace {
 
 // Ranges in which boundaries are searched: the law's damping [N s/m], and the wall's stiffness.
 constexpr double kMinDamping = 5.0, kMaxDamping = 1000.0, kMinWall_N_per_m = 500.0, kMaxWall_N_per_m = 100e3;
-constexpr double kScan = 1.25,
-                 kTolerance =
-                     5e-3;  // ratio between a search's steps; relative tolerance at which the search ends
+// ratio between a search's steps; relative tolerance at which the search ends
+constexpr double kScan = 1.25, kTolerance = 5e-3;
 constexpr double kMaxMargin = 3.0;  // gain margins are searched up to this factor
 
 // The loop of a cell with an LBR at the cell's start posture, without hand and wall.
 OverlayLoopParams LoopOf(const config::CellConfig& cell) {
-  const config::LbrConfig* lbr = cell.robot.lbr();  // the impedance law needs FRI, which is an LBR's
+  // never null: the impedance law needs FRI, and an arm with FRI is an LBR
+  const config::LbrConfig* lbr = cell.robot.lbr();
   OverlayLoopParams loop{.chain = lbr->chain,
                          .arm = cell.simulated.dynamic,
                          .X_FT = cell.tool.X_FT,
@@ -45,7 +45,7 @@ OverlayLoopParams LoopOf(const config::CellConfig& cell) {
 OverlayLoopParams LoopWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
                            double gain) {
   OverlayLoopParams loop = t.loop;
-  // Scale all three axes, so that they keep the ratio of the cell's file.
+  // Scale the damping of all three axes, so that their ratio stays as in the cell's file.
   if (t.own_damping() > 0.0)
     loop.law.damping_Ns_per_m *= damping_Ns_per_m / t.own_damping();
   else
@@ -54,7 +54,7 @@ OverlayLoopParams LoopWith(const OverlayTuning& t, double damping_Ns_per_m, cons
   return loop;
 }
 
-// Largest additional delay of a command beyond the measured one [s].
+// Largest additional delay of a command beyond the measured delay [s].
 double MaxExtraDelay_s(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
 
 // Whether the loop is stable with the arm's model, and with the measured response if there is one. Hand and

@@ -16,8 +16,8 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kTableRows =
-    5;  // number of margins in the table, for the own and for the recommended gains each
+// number of margins in the table, for the own and for the recommended gains each
+constexpr std::size_t kTableRows = 5;
 constexpr double kAxisEnd = 2.0;  // the Nyquist plot's axes go from -kAxisEnd to kAxisEnd
 
 // The response by which gains are judged; null: none fits. It is measured by the force sensor if a structural
@@ -118,8 +118,8 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain,
                           const hil::GridHand& held) {
   MeasuredLoopParams params = LoopOf(task, gains, contact, gain);
-  params.sensor_delay_s =
-      task.command_jitter * task.loop.period_s;  // the measured response includes the sensor's delay
+  // the measured response includes the sensor's delay
+  params.sensor_delay_s = task.command_jitter * task.loop.period_s;
   params.loop.hand = {held.name, gain * held.stiffness_N_per_m, gain * held.damping_Ns_per_m,
                       gain * held.mass_kg};
   return params;

@@ -126,8 +126,8 @@ session::Verdict Judge(const TuneResult& r) {
 
 namespace {
 
-// Says which part of the dead time is the sensor's: the part of its measured delay beyond the whole ticks of
-// the loop's sensor_delay. Empty if there is none.
+// Says which part of the dead time belongs to the sensor: the part of the sensor's measured delay that
+// exceeds the whole ticks of the loop's sensor_delay. Empty if there is no such part.
 std::string SensorPart(const TuneTask& t) {
   if (!t.identified || !t.identified->sensor || !t.identified->sensor->delay_s) return "";
   const double part_s = *t.identified->sensor->delay_s - t.loop.sensor_delay * t.loop.period_s;

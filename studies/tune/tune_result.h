@@ -27,7 +27,7 @@ struct TuneMap {
   std::string title;
   double damping_from{5.0}, damping_to{500.0}, wall_from{1e3}, wall_to{1e6};
   int dampings{0}, walls{0};
-  std::vector<double> decay_per_s;  ///< a row for each wall, with a value for each damping
+  std::vector<double> decay_per_s;  ///< one row for each wall, with one value for each damping
 };
 
 /// A cell's task and all results for it.
@@ -42,22 +42,24 @@ struct TuneResult {
   double own_margin{0.0};  ///< gain margin of the cell's own gains
   TuneGains within_bar;    ///< the gains with the largest margin among those that count as light
   double within_bar_margin{0.0};
-  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< least drag that is stable at the recommended mass,
-                                                       ///< with the stiffest grip and with a clamp
+  /// least drag that is stable at the recommended mass, with the stiffest grip and with a clamp
+  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};
   double age_bound_Ns_per_m{0.0};  ///< sufficient drag in view of the planes' age: largest age × stiffness
-  std::vector<TuneBoundary> human, stiffest,
-      firm;  ///< boundaries for each set of hands, at the recommended mass
+  /// boundaries for each set of hands, at the recommended mass
+  std::vector<TuneBoundary> human, stiffest, firm;
   std::vector<TuneMap> maps;
   TuneCheck check;
-  std::vector<TuneCarried>
-      carried;  ///< one simulated run with the vibration index for each hand stiffer than the human grip
-  double human_index{0.0};  ///< the largest vibration index that a hand within the human grip causes
+  /// one simulated run with the vibration index for each hand stiffer than the human grip
+  std::vector<TuneCarried> carried;
+  /// the largest vibration index that a hand within the human grip causes
+  double human_index{0.0};
   std::optional<GuidanceMap> guidance;  ///< of the plan, if one is given
   std::vector<TuneMargin> margins;      ///< margins by the measured response; empty: none was measured
-  int found{0}, computed{0};  ///< number of results read from the cache, and number of results computed
+  /// number of results read from the cache, and number of results computed
+  int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
-  /// Whether the recommended gains may be used: they are stable by the measured response, and in the
+  /// Whether the recommended gains may be used: they must be stable with the measured response and in the
   /// simulations in time.
   [[nodiscard]] bool MayBeUsed() const;
   /// Whether the cell's own gains have the requested margin, also by the measured response.
@@ -77,7 +79,7 @@ struct TuneResult {
 /// that is switched off in the cell.
 [[nodiscard]] session::Verdict Judge(const TuneResult& result);
 
-/// The result as rows for terminal and page.
+/// The result as rows for the terminal and the HTML page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const TuneResult& result);
 /// JSON, schema osteon.tune/1.
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);

@@ -11,7 +11,8 @@
 #include "studies/stability/grip_run.h"
 #include "studies/stability/measured_loop.h"
 
-// The stability computations of `osteon tune`: hands, contacts and delays, and the results for them.
+// The computations of `osteon tune` about stability: their inputs (hands, contacts, delays) and their
+// results.
 
 namespace osteon::studies {
 
@@ -25,30 +26,35 @@ struct HeldLoop {
 /// A cell's loop along one axis of its tool, and the conditions in which its gains must be stable.
 struct TuneTask {
   hil::AdmittanceLoopParams loop;  ///< arm, delays, period and virtual tool of the cell; no hand, no wall
-  double wall_N_per_m{
-      20e3};  ///< the coupling's stiffness; each tick evaluates the coupling at the present pose
+  /// the coupling's stiffness; each tick evaluates the coupling at the present pose
+  double wall_N_per_m{20e3};
   /// Lateral stiffness that the planes cause by their own motion: the force limit over the radius of the
   /// tool's head. The planes follow from a pose that is as old as the contact model may be.
   double plane_N_per_m{8e3};
   double worst_age_s{0.002};
   double margin{1.1};  ///< gain margin: factor on hand and wall at which the loop must still be stable
   double command_loss{0.01};
-  int command_jitter{1};               ///< [ticks]
-  double human_grip_N_per_m{3e3};      ///< with grips up to this stiffness the tool must stay light
-  double stiffest_grip_N_per_m{10e3};  ///< with grips up to this stiffness the tool must be stable
+  int command_jitter{1};  ///< largest additional delay of a command [ticks]
+  /// with grips up to this stiffness the tool must stay light
+  double human_grip_N_per_m{3e3};
+  /// with grips up to this stiffness the tool must be stable
+  double stiffest_grip_N_per_m{10e3};
   double max_mass_kg{5.0}, max_drag_Ns_per_m{30.0};  ///< a tool counts as light up to these limits
-  control::VibrationParams vibration{};  ///< the cell's vibration index; this study always switches it on
-  bool index_acts{true};                 ///< whether the index is also switched on in the cell itself
+  /// the cell's vibration index; this study always switches it on
+  control::VibrationParams vibration{};
+  /// whether the index is also switched on in the cell itself
+  bool index_acts{true};
 
   // From the cell's measurements (studies/tune/tune_measured.h). Without measurements, all lags are assumed.
   std::optional<config::IdentifiedCell> identified{};
   bool arm_measured{false};  ///< false: no arm was measured, and its lag is assumed
-  std::vector<hil::GridHand>
-      measured_hands{};  ///< the loop must be stable with these hands, however stiff they are
+  /// the loop must be stable with these hands, however stiff they are
+  std::vector<hil::GridHand> measured_hands{};
   std::shared_ptr<const MeasuredPlant> response{};  ///< null: no response was measured
-  double response_delay_s{0.0};  ///< the sensor's delay, if the response does not include it
-  std::vector<HeldLoop>
-      held{};  ///< hands whose own loops were measured; each loop is judged by its own response
+  /// the sensor's delay, if the response does not include it
+  double response_delay_s{0.0};
+  /// hands whose own loops were measured; each loop is judged by its own response
+  std::vector<HeldLoop> held{};
   /// A structural resonance was found that the arm's model lacks, so gains are judged by the measured
   /// response alone.
   bool measured_only{false};
@@ -57,8 +63,8 @@ struct TuneTask {
 /// The task that the cell's file describes, without the cell's measurements.
 [[nodiscard]] TuneTask TuneTaskOf(const config::CellConfig& cell);
 
-/// Returns every hand of the grid up to a stiffness, and one of exactly that stiffness with a firm hand's
-/// damping and mass.
+/// Returns all hands of the grid that are at most as stiff as this, and one hand of exactly this stiffness
+/// with the damping and mass of a firm hand.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m);
 /// Returns these hands of the grid and the task's measured hands.
 [[nodiscard]] std::vector<hil::GridHand> HandsUpTo(const TuneTask& task, double stiffness_N_per_m);
@@ -98,10 +104,10 @@ struct TuneGains {
 /// The stiffest stable wall for one damping of the map. Of the delays only the cell's own are included.
 struct TuneBoundary {
   double damping_Ns_per_m{0.0};
-  double predicted_N_per_m{0.0};  ///< 0: unstable without a wall
-  double simulated_N_per_m{0.0};  ///< with the hand that the prediction finds worst
+  double predicted_N_per_m{0.0};  ///< by the linear analysis; 0: unstable without a wall
+  double simulated_N_per_m{0.0};  ///< by simulation, with the hand that is the worst by the analysis
   double degraded_N_per_m{0.0};   ///< simulated like simulated_N_per_m, but with lost and late commands
-  std::size_t hand{0};            ///< index of the worst hand
+  std::size_t hand{0};            ///< index of the worst hand by the analysis
 };
 /// Searches walls up to `max_N_per_m`. A result that equals max_N_per_m means "at least".
 [[nodiscard]] TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains,

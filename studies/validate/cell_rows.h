@@ -13,7 +13,7 @@ namespace osteon::studies {
 
 /// The motion of the hand while it reams.
 enum class Technique : std::uint8_t {
-  kWhirlwind,  ///< the tool's tilt turns about the head's centre while the hand presses
+  kWhirlwind,  ///< the hand presses while the tilted tool swings around the axis about the head's centre
   kStraight,   ///< the hand presses along the axis: tilt of 0
 };
 
@@ -25,7 +25,7 @@ enum class Technique : std::uint8_t {
 [[nodiscard]] Simulated WideCavity(ValidationLab& lab, const std::string& foam);
 [[nodiscard]] std::vector<CellTrialParams> WideCavityCells(const std::string& foam, bool quick);
 
-// Rows that the demo's own run in bone simulates, and the cells of these rows.
+// Rows that are simulated by the demo's own run in bone. DemoCells returns the cells that these rows run.
 [[nodiscard]] std::vector<CellTrialParams> DemoCells(bool quick);
 [[nodiscard]] Simulated CentreShift(ValidationLab& lab);    ///< [mm]
 [[nodiscard]] Simulated RemovedVolume(ValidationLab& lab);  ///< [mm³]

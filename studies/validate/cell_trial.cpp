@@ -87,8 +87,9 @@ class PressFigures {
   double push_N_, period_s_;
   bool was_full_{false};
   double last_height_m_{0.0};
-  double feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};  // sums over the ticks in which the hand presses
-  std::int64_t ticks_{0};                                   // number of these ticks
+  // sums over the ticks in which the hand presses in full
+  double feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};
+  std::int64_t ticks_{0};  // number of these ticks
 };
 
 // Fits a sphere to the balls that were cut, and compares it with the planned cup. If the fit fails,

@@ -24,7 +24,8 @@ struct CellTrialParams {
   std::vector<TissueFigures> tissues{};
   double seconds{10.0};
   std::optional<double> error_m{};  ///< packing error; none: as the cell's scene demands
-  bool as_packed{false};  ///< true: uses the packing that the scene's file gives, without a plan for an error
+  /// true: uses the packing that the scene's file gives, without a plan for an error
+  bool as_packed{false};
 
   /// A text that is equal only for equal parameters.
   [[nodiscard]] std::string Key() const;
@@ -34,8 +35,8 @@ struct CellTrialParams {
 struct CellTrial {
   std::string ended;                ///< how the run ended: "completed"
   std::vector<std::string> faults;  ///< names of the faults of the run
-  std::optional<procedure::SphereFit>
-      fit;                  ///< sphere fitted to the cavity; nothing if the bone has no cup or was not cut
+  /// sphere fitted to the cavity; nothing if the bone has no cup or was not cut
+  std::optional<procedure::SphereFit> fit;
   std::string fit_refused;  ///< why there is no fit
   /// Distance along the axis by which the fitted centre lies below the cup's. 0 or less: the head is not
   /// seated.

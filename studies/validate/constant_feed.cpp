@@ -36,7 +36,7 @@ void ValidateSteps(const ConstantFeedParams& params) {
     throw std::invalid_argument("constant feed: found no step, accepted one at least");
 }
 
-// A block of the material around the drill's path, packed as the shipped plate is.
+// A block of the material around the drill's path. It is packed like the shipped plate.
 simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
   simulation::SceneParams scene = config::LoadScene(params.config_root / "scenes" / "thin_plate.yaml");
   const double width_m = 3.0 * params.diameter_m;
@@ -89,7 +89,8 @@ class BentPoint {
  private:
   control::Matrix6 compliance_T_{control::Matrix6::Zero()};
   double tau_s_{0.0};
-  control::Vector6 e_{control::Vector6::Zero()};  // displacement and rotation of E, in T
+  // displacement and rotation of the drill's point (frame E) relative to T
+  control::Vector6 e_{control::Vector6::Zero()};
 };
 
 }  // namespace

@@ -20,9 +20,9 @@ struct ConstantFeedParams {
   double diameter_m{0.0032};  ///< one of the sizes in the tool's file
   double spindle_rad_per_s{104.71975511965977};
   std::vector<FeedStep> steps{{}};  ///< sections of the path; their depths must rise
-  bool edge_force{
-      true};          ///< whether the drill's lips have the material's edge force, if the material has one
-  bool bends{false};  ///< whether the drill bends, as its file's `bending` says
+  /// whether the drill's lips have the material's edge force, if the material has one
+  bool edge_force{true};
+  bool bends{false};          ///< whether the drill bends, as its file's `bending` says
   double packing_scale{1.0};  ///< factor on the spacings of thin_plate.yaml's packing: above 1 is coarser
 };
 

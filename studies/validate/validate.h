@@ -18,7 +18,7 @@ struct ValidateOptions {
   std::filesystem::path config_root;
   std::vector<std::string> rows{};  ///< ids, or numbers of the source's rows; empty: all
   std::filesystem::path out{};      ///< folder for validate.html and validate.svg; empty: none
-  std::filesystem::path json{};     ///< empty: none
+  std::filesystem::path json{};     ///< file for the JSON; empty: none
   bool quick{false};                ///< coarse bones and short runs, as in the tests
   std::string command_line{};
 };
@@ -39,8 +39,8 @@ struct KindCount {
 /// Numbers of rows by their outcome.
 struct ValidationCounts {
   std::size_t rows{0}, judged{0}, within{0}, missed{0}, calibrates{0}, not_judged{0}, failed{0};
-  std::size_t levels_and_trends{0},
-      levels_and_trends_within{0};  ///< judged rows of the kinds "levels" and "trends"
+  /// judged rows of the kinds "levels" and "trends"
+  std::size_t levels_and_trends{0}, levels_and_trends_within{0};
   std::array<KindCount, 4> kinds{{{RowUse::kValidates, "levels"},
                                   {RowUse::kTrend, "trends"},
                                   {RowUse::kRange, "ranges"},
@@ -48,7 +48,8 @@ struct ValidationCounts {
 };
 [[nodiscard]] ValidationCounts CountRows(std::span<const ValidationRow> rows);
 
-/// "within: levels 2 of 8, trends 5 of 10, ranges 2 of 5, tolerances 2 of 2"
+/// Numbers of judged rows by kind, as text: "within: levels 2 of 8, trends 5 of 10, ranges 2 of 5, tolerances
+/// 2 of 2"
 [[nodiscard]] std::string KindsText(const ValidationCounts& counts);
 
 /// The printed table. Each row shows its value with rigid parts, and the variants in which one part yields:

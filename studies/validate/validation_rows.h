@@ -37,16 +37,16 @@ struct ComplianceVariant {
 
 /// The outcome of a row's runs.
 struct Simulated {
-  double value{0.0};  ///< in the measurement's unit
+  double value{0.0};  ///< result, in the measurement's unit
   std::string how;    ///< which shipped parts ran, and how
-  /// Constants of materials on which the value depends: "cortical.cutting_energy".
+  /// Names of the material constants on which the value depends, e.g. "cortical.cutting_energy".
   std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
   std::string reason{};  ///< why the value may be outside the accepted range; the ablations show it
   /// One variant for each part of the cell that can yield; `value` has rigid parts only.
   std::vector<ComplianceVariant> compliance{};
 
-  /// The variant in which this part gives way; null if the row has none.
+  /// The variant in which this part yields; null if the row has none.
   [[nodiscard]] const ComplianceVariant* With(CompliantPart part) const;
 };
 

@@ -200,7 +200,7 @@ TEST(CellProcess, AfterARunIsKilledTheCellWaitsForTheNext) {
     return out.find("MONITORING_WAIT", out.find("COMMANDING_ACTIVE")) != std::string::npos;
   };
   EXPECT_TRUE(cell.WaitUntil(waits_again)) << cell.Out();
-  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
+  usleep(600'000);  // longer than the 0.25 s for which the PLC tolerates a missing heartbeat
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
   const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");

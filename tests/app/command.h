@@ -39,7 +39,8 @@ struct CommandStreams {
   int out{kFile}, err{kFile};
 };
 
-/// A process `osteon ARGUMENTS` in a folder, with OSTEON_ROOT set to the sources; started without a shell.
+/// A process that runs `osteon ARGUMENTS` in a folder. OSTEON_ROOT is set to the sources. No shell is
+/// involved.
 class Command {
  public:
   /// @param environment  "NAME=value" each; added to this process's environment, or replacing values in it

@@ -102,7 +102,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
     weigh.push_back(q);
   }
   Record(folder_.path() / "weigh.mcap", weigh);
-  // the apex of the tool stays on one point while the flange turns about it
+  // the arm is moved so that the tool's apex stays at one point while the flange turns about it
   const Pose X_WF = cell_.X_WB * arm_.FlangePose(Start());
   const Vector3 point_W = X_WF * truth_.p_FT_m;
   for (const auto& [x, y] :
@@ -145,7 +145,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
   EXPECT_TRUE(json.at("drift").empty());
   EXPECT_EQ(json.at("earlier_calibrations"), 0);
 
-  // the loop uses the calibration once the cell's file names it
+  // the loop must use the calibration once the cell's file names it
   std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << config::CellText("demo");
   const config::CellConfig measured = config::LoadCell(folder_.path() / "cell.yaml");
   EXPECT_NEAR(measured.servo.sensor.tool_mass_kg, truth_.mass_kg, 0.003);

@@ -64,7 +64,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueBitForBit) {
 
   const Csv ticks(tables / "recording_ticks.csv");
   ASSERT_EQ(ticks.rows.size(), recording_->ticks.size());
-  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {  // a sample of the rows
+  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {  // checks every 37th row
     const control::TickRecord& tick = recording_->ticks[row];
     ASSERT_EQ(ticks.rows[row].size(), ticks.columns.size());
     EXPECT_EQ(ticks.Number(row, "time_s"), 1e-9 * static_cast<double>(tick.stamp));
@@ -311,7 +311,7 @@ TEST_F(ExportCommandTest, RefusesInvalidArguments) {
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
     EXPECT_NE(run.err.find("osteon export: "), std::string::npos) << run.err;
   }
-  // a full disk: the JSON file cannot be written
+  // the disk is full, so the JSON file cannot be written
   const CommandResult unwritable =
       RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "/dev/full"});
   EXPECT_EQ(unwritable.exit_code, 1) << unwritable.err;

@@ -91,8 +91,8 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
   EXPECT_NE(first->head.reasons[0].find(" commit "), std::string::npos);
   EXPECT_TRUE(first->head.reasons[0].starts_with("20"));
-  std::filesystem::remove_all(folder_.path() /
-                              "regress_out");  // removes the page that reports the missing trace
+  // removes the page that reports the missing trace
+  std::filesystem::remove_all(folder_.path() / "regress_out");
   EXPECT_EQ(RunWithJson({"own.yaml", "--exact"}, 0)["scenarios"][0]["identical"], true);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out")) << "nothing to show";
 

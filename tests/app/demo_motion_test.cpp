@@ -44,8 +44,8 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
     if (tick.phase != control::Phase::kHaptic) continue;
     if (ticks++ == 0) start = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd), found = curve.X_GT(rt::ToSeconds(tick.stamp - start));
-    const Vector3 lever(0, 0,
-                        -0.1);  // a point 100 mm from the apex, at which a wrong rotation becomes visible
+    // a point 100 mm from the apex, at which a wrong rotation becomes visible
+    const Vector3 lever(0, 0, -0.1);
     worst_m = std::max(worst_m, (found.translation() - X_GT.translation()).norm());
     worst_lever_m = std::max(worst_lever_m, (found * lever - X_GT * lever).norm());
     if (ticks > 1) path_m += (X_GT.translation() - last).norm();

@@ -117,7 +117,7 @@ TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   ASSERT_TRUE(demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; })) << demo.Err();
   demo.Send(SIGTERM);  // a service manager's signal, which must have the effect of Ctrl-C
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  demo.Send(SIGTERM);  // `timeout` sends it twice
+  demo.Send(SIGTERM);  // once more, because `timeout` sends the signal twice
   ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
 }
 

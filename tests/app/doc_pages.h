@@ -11,10 +11,10 @@
 
 namespace osteon::app {
 
-/// A line of a page.
+/// One line of a page.
 struct DocLine {
   std::string text;
-  bool code{false};      ///< in a fenced or indented block
+  bool code{false};      ///< whether the line is in a fenced or indented block
   std::string language;  ///< language of the fenced block
 };
 

@@ -122,7 +122,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
-    // the guard's port is free again
+    // the killed guard's port is free again, so a new guard can use it
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
@@ -140,7 +140,7 @@ TEST_F(GuardProcess, KillingTheGuardStopsArmAndRun) {
   EXPECT_EQ(run.Wait().exit_code, 1) << run.Err();
   EXPECT_TRUE(ArmLeft()) << cell_->Out();
   EXPECT_FALSE(ReadJson(run_folder_.path() / "run.json").at("faults").empty());
-  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
+  usleep(600'000);  // longer than the 0.25 s for which the PLC tolerates a missing heartbeat
   const nlohmann::json report = EndCell();
   EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>());
   EXPECT_NE(report.at("plc").at("blocks").get<std::string>().find("guard's heartbeat lost"),

@@ -58,7 +58,7 @@ TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
   spinner.join();
   ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
   if (!realtime) GTEST_SKIP() << "skipped, no SCHED_FIFO for this user: nothing can keep a CPU to itself";
-  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // lets the waiting thread run
+  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // sleeps, so that the waiting thread can run
   EXPECT_GT(watch.worst(), kLateWakeup);
 }
 

@@ -141,8 +141,8 @@ TEST(StopRecords, AfterStopCategoryZeroRestBeginsWhenTheArmStands) {
 TEST(StopRecords, HoldALimitedNumberOfTicks) {
   std::vector<TickRecord> ticks;
   AddTicks(ticks, 30'000, Phase::kHaptic);
-  for (TickRecord& tick : ticks)
-    tick.stamp = 0;  // all ticks fall within the five seconds that a record keeps
+  // all ticks fall within the five seconds that a record keeps
+  for (TickRecord& tick : ticks) tick.stamp = 0;
   AddTicks(ticks, 30'000, Phase::kStopping);
   const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);

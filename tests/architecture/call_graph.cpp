@@ -107,8 +107,8 @@ std::vector<CallRule> ReadCallRules(const std::filesystem::path& file) {
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules) {
   CallCheck check;
-  std::map<std::string, std::string>
-      caller_of;  // for each reached symbol, the function that calls it; empty for a root
+  // for each reached symbol, the function that calls it; empty for a root
+  std::map<std::string, std::string> caller_of;
   std::deque<std::string> to_follow;
   for (const auto& [symbol, callees] : graph.functions()) {
     const std::string name = QualifiedName(Demangled(symbol));

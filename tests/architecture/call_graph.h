@@ -34,7 +34,8 @@ std::string Demangled(const std::string& symbol);
 /// A rule about a function: a tick may call it although it is outside the program (`allow`), or it belongs to
 /// the program but its calls are not followed (`skip`).
 struct CallRule {
-  std::string pattern;  ///< a qualified name (QualifiedName) or a signature, or its beginning and a '*'
+  /// a qualified name (QualifiedName) or a signature; a '*' at its end stands for any further characters
+  std::string pattern;
   std::string reason;
   bool opaque{false};  ///< "skip": a function of this program whose own calls are not followed
 };

@@ -11,9 +11,9 @@ namespace osteon::architecture {
 struct Rule {
   enum class Kind { kFolder, kLibrary };
   Kind kind = Kind::kFolder;
-  std::vector<std::string> names;    ///< the folders or libraries to which the rule applies
-  std::vector<std::string> allowed;  ///< kFolder: names that the folder may include; kLibrary: folders that
-                                     ///< may include the library
+  std::vector<std::string> names;  ///< the folders or libraries to which the rule applies
+  /// kFolder: names that the folder may include; kLibrary: folders that may include the library
+  std::vector<std::string> allowed;
   std::string reason;
 };
 

@@ -16,8 +16,8 @@ class CheckedNoAllocScope {
  public:
   CheckedNoAllocScope() {
 #if !defined(OSTEON_SANITIZED)
-    static const bool counts =
-        NoAllocScope::Counts();  // determined before this object's scope begins to count
+    // determined before this object's scope begins to count
+    static const bool counts = NoAllocScope::Counts();
     EXPECT_TRUE(counts) << "nothing is counted here: is osteon::base_guard linked?";
 #endif
     scope_.emplace();

@@ -19,8 +19,8 @@ namespace {
 
 using namespace osteon;
 
-constexpr int kFramesReceived = 5,
-              kFramesSent = 4;  // number of frames in a tick that includes the drive's cycle
+// number of frames in a tick that includes the drive's cycle
+constexpr int kFramesReceived = 5, kFramesSent = 4;
 
 // The same bus, but with one system call per frame: it uses the loops of the base class CanBus instead of the
 // tunnel's batches.

@@ -46,8 +46,8 @@ TEST(ComplianceKeys, AutoTurnsTheToolOnWhereItsBendingIsNoticed) {
   struct Row {
     const char* cell;
     double k_N_per_mm, bends_mm;  // stiffness at the apex; displacement under the push force
-    double product, felt,
-        thrust;  // coupling stiffness × compliance; change of the felt stiffness; push force / buckling load
+    // coupling stiffness × compliance; change of the felt stiffness; push force / buckling load
+    double product, felt, thrust;
     bool on;
   };
   for (const Row& row : {Row{"demo", 847.8, 0.041, 0.0236, -0.023, 0.002, false},

@@ -310,9 +310,8 @@ TEST_F(ConfigFilesTest, DamagedFilesLoadOrAreRefusedWithAnError) {
   int refused = 0, loaded = 0;
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
-    const int changes = file.parent_path().filename() == "tools"
-                            ? 4
-                            : 10;  // few changes, because the fuzz targets test many more
+    // few changes, because the fuzz targets test many more
+    const int changes = file.parent_path().filename() == "tools" ? 4 : 10;
     for (int n = 0; n < changes; ++n) {
       std::string changed = text;
       const int edits = 1 + static_cast<int>(below(4));

@@ -28,8 +28,8 @@ class FriKeys : public testing::Test {
   CellConfig LoadWith(const std::string& keys) const {
     const fs::path cell = folder_ / "cells/thin_plate.yaml";
     std::string edited = CellText("thin_plate");
-    const std::size_t version =
-        edited.find("  version:");  // the removed line has the library's default value
+    // the removed line has the library's default value
+    const std::size_t version = edited.find("  version:");
     edited.erase(version, edited.find('\n', version) + 1 - version);
     const std::string before = "  period_ms: 1\n";
     const std::size_t at = edited.find(before);

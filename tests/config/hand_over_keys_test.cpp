@@ -52,8 +52,8 @@ double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   const auto period = static_cast<rt::Nanoseconds>(servo.period_s * 1e9);
   for (int tick = 0; tick < 60; ++tick) {
     const rt::Nanoseconds now = rt::kSecond + tick * period;
-    if (tick % 20 ==
-        10) {  // a new frame: at tick 10 the contact's normal leans to one side, at tick 30 it leans back
+    // a new frame: at tick 10 the contact's normal leans to one side, at tick 30 it leans back
+    if (tick % 20 == 10) {
       const double lean = tick < 20 ? lean_rad : 0.0;
       model.contacts[0].n_W = Vector3(std::sin(lean), 0.0, std::cos(lean));
       ++model.frame;

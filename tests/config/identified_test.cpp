@@ -247,10 +247,8 @@ TEST(IdentifiedFile, EachSpringComesFromTheAxisWithTheSmallestUncertainty) {
   own.arm = {Sample().arm[0], Sample().arm[0]};
   IdentifiedArm &x = own.arm[0], &z = own.arm[1];
   x.axis = "x";
-  x.bandwidth_interval_hz = {
-      .low = 15.0,
-      .high =
-          18.2};  // the bandwidth's interval is wider than that of z, but the damping is known more exactly
+  // the bandwidth's interval is wider than that of z, but the damping is known more exactly
+  x.bandwidth_interval_hz = {.low = 15.0, .high = 18.2};
   x.damping_interval = {.low = 1.23, .high = 1.25};
   x.impedance =
       IdentifiedImpedance{.translation_N_per_m = 1900.0, .rotation_Nm_per_rad = 204.0, .damping_ratio = 0.7};

@@ -142,9 +142,9 @@ TEST(RegistrationRows, ABaseInMetresIsRefused) {
   EXPECT_THAT(
       ErrorOf(CheckFrames,
               [](CellConfig& cell) {
-                const Vector3 base(0.9, 0.0,
-                                   0.4);  // bone and workspace are placed for a base at this position [m];
-                                          // the cell's base gets the same numbers in mm
+                // bone and workspace are placed for a base at this position [m]; the cell's base gets the
+                // same numbers in mm
+                const Vector3 base(0.9, 0.0, 0.4);
                 cell.X_WG.translation() += base;
                 cell.servo.workspace.sphere_center_W_m += base;
                 cell.servo.workspace.plane_offset_m += cell.servo.workspace.plane_normal_W.dot(base);

@@ -124,8 +124,8 @@ TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
               1e-12);
     q[0] = 90 * kDegree;
     EXPECT_LT((chain.FlangePose(q).linear().col(2) + Vector3::UnitY()).norm(), 1e-12) << "A1 turns clockwise";
-    const double straight =
-        std::atan2(-arm.a2, arm.c3);  // angle of A3 that brings the wrist onto the line through A2 and A3
+    // angle of A3 that brings the wrist onto the line through A2 and A3
+    const double straight = std::atan2(-arm.a2, arm.c3);
     q << 0, 0, straight, 0, 0, 0;
     const Vector3 wrist = chain.FlangePose(q) * Vector3(0, 0, -arm.c4);
     EXPECT_NEAR(wrist.x(), arm.reach_m, 0.001);

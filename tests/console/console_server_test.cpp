@@ -268,7 +268,7 @@ TEST_F(ConsoleServerTest, APageThatAsksForTheSecondStreamGetsIt) {
   EXPECT_FALSE(second.Await("note").is_null());
   const auto is_of_second = [](const nlohmann::json& live) { return live["status"]["force_N"] == 42.0; };
   EXPECT_FALSE(second.Await("live", is_of_second).is_null());
-  // a server without a second stream sends its only one
+  // a server without a second stream sends its only stream
   Client other(server_->port(), origin().c_str(), true, "/live?stream=2");
   EXPECT_EQ(other.Await("hello")["cell"], "test");
 }

@@ -41,7 +41,8 @@ fri::FRIMonitoringMessage FullMonitoringWithStamp(std::uint32_t sequence, fri::S
 
 void WriteFri(const std::filesystem::path& root) {
   const Corpus decode(root, "fri_decode"), session(root, "fri_session");
-  const std::array versions{std::uint8_t{4}, std::uint8_t{6}, std::uint8_t{7}};  // 1.15, 2.5, 2.7
+  const std::array versions{std::uint8_t{4}, std::uint8_t{6},
+                            std::uint8_t{7}};  // bytes that select the versions 1.15, 2.5, 2.7
   for (std::size_t f = 0; f < kFamilies.size(); ++f) {
     const std::string name = std::to_string(f);
     Bytes one{static_cast<std::uint8_t>(f == 2 ? 2 | 4 : f)};

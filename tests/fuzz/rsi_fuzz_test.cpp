@@ -40,7 +40,7 @@ class Mutator {
         case 5:
           if (Below(4) == 0) bytes.erase(here, bytes.end());
           break;
-        default:  // repeat a piece
+        default:  // repeats a piece
           bytes.insert(here, std::min(here, there), std::min(std::min(here, there) + 20, bytes.end()));
           break;
       }

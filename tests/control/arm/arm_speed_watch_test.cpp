@@ -17,8 +17,8 @@ namespace {
 
 using safety::CellState, safety::Fault;
 
-constexpr double kPeriod_s = 0.004,
-                 kLimit_m_per_s = 0.1;  // period of a KR, and speed limit of its shipped cell
+// period of a KR, and speed limit of its shipped cell
+constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;
 constexpr rt::Nanoseconds kPeriod = 4 * rt::kMillisecond;
 
 // A watch, and the messages of an arm whose tool moves along x.

@@ -54,7 +54,7 @@ simulation::ContactModel LayerFrame() {
   return model;
 }
 
-// The compliant elements of a test case.
+// The compliant elements that a test case uses.
 struct CompliantParts {
   const char* name;
   bool layer, tool, mount;

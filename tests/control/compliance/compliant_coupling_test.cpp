@@ -167,7 +167,7 @@ TEST(CompliantLoop, ABendBeyondItsLimitStopsTheCell) {
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-// A second loop computes every tick again from its record; the results must be equal in every bit.
+// A second loop computes every tick again from the tick's record. The results must be equal in every bit.
 TEST(CompliantLoop, EveryTickCanBeReplayedBitForBit) {
   ServoParams params = ServoBench::Params();
   params.compliance = {.tool = SoftTool(), .mount = Mount(40e3)};

@@ -43,8 +43,8 @@ TEST(CompliantLink, LosesTheEnergyOfTheClosedFormPerCycle) {
   // closed form of the loss: pi X² K' w tau / (1 + (w tau)²), with the amplitude X = 1 mm, the angular
   // frequency w, and stiffness K' = 5 N/mm and time constant tau of the series
   for (const double hz : {0.5, 2.0}) {
-    const double w = 2.0 * std::numbers::pi * hz,
-                 tau = 0.15;  // time constant of the series: 0.3 s / (1 + K / k)
+    // time constant of the series: 0.3 s / (1 + K / k)
+    const double w = 2.0 * std::numbers::pi * hz, tau = 0.15;
     const double exact = std::numbers::pi * 1e-6 * 0.5e4 * w * tau / (1.0 + w * w * tau * tau);
     EXPECT_NEAR(LossPerCycle_J(hz), exact, 0.01 * exact) << hz;
   }

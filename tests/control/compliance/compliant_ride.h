@@ -22,8 +22,8 @@ struct SpringPlane {
   Vector3 p_TP_m{Vector3::Zero()};  ///< the tool's point that touches the plane
 };
 
-/// Wrench of the planes on the tool's head E, at Eo, in the bone's frame M.
-/// @param[out] stored_J  energy in the planes' springs
+/// Wrench on the tool's head E, at its origin Eo, from the springs of the planes, in the bone's frame M.
+/// @param[out] stored_J  energy stored in the springs
 inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_ME, double& stored_J) {
   Wrench F;
   stored_J = 0.0;

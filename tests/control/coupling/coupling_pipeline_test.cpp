@@ -101,7 +101,7 @@ TEST(CouplingPipeline, AfterAResetTheForceFadesInFromZero) {
 TEST(CouplingPipeline, ChangedGainsActFromTheNextTick) {
   Contact contact(ServoBench::Params());
   const double before_N = contact.Settle(2e-3).F.f.norm();
-  // the pipeline reads the loop's parameters by reference
+  // changes the stiffness in the pipeline as well, because it holds the parameters by reference
   contact.params.coupling.max_stiffness_N_per_m *= 0.5;
   contact.pipeline.OnGainsChanged();
   EXPECT_NEAR(contact.Settle(2e-3).F.f.norm(), 0.5 * before_N, 0.02 * before_N);

@@ -188,8 +188,8 @@ TEST(HandOver, NoChangeOfPlanesTripsTheRateOrRaisesTheForce) {
       bench.NewFrame();
       AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
       const Pose X_WT = At({0.0, 0.0, -1.5e-3});
-      for (int i = 0; i < 60;
-           ++i) {  // brings the tool into contact gradually, because the first contact is not a hand-over
+      // brings the tool into contact gradually, because the first contact is not a hand-over
+      for (int i = 0; i < 60; ++i) {
         bench.model.contacts[0].p_W_m = Vector3(0.0, 0.0, -1.5e-3 + 25e-6 * i);
         ++bench.model.frame;
         static_cast<void>(bench.Tick(X_WT));

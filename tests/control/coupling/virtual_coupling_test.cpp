@@ -87,7 +87,7 @@ TEST(VirtualCoupling, TorqueIsTheForcesLeverAboutTheApex) {
   EXPECT_TRUE(out.F_T_W.t.isApprox(Vector3(0.0, -0.025 * 20.0, 0.0), 1e-10));
 }
 
-// Two faces at 90°: the proxy lies on their edge.
+// Two faces meet at 90°, and the proxy lies on their common edge.
 TEST(VirtualCoupling, ACornerGivesTheVectorSumOfBothFaces) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
@@ -211,7 +211,7 @@ TEST(VirtualCoupling, WithoutForceAPlaneDoesNotRecede) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0}, 0.01);
   model.pose_stamp = bench.now;
-  for (int i = 0; i < 10; ++i) {  // in free space
+  for (int i = 0; i < 10; ++i) {  // the tool hovers above the plane
     bench.now += kMillisecond;
     const CouplingOutput hovering = EvaluateCoupling(
         bench.params, {.model = model, .X_WT = At({0.0, 0.0, 1e-3}), .now = bench.now, .spindle_turns = true},
@@ -264,7 +264,7 @@ TEST(VirtualCoupling, ANewPlaneBeforeTheProxyIsReleasedOverReturnTime) {
   const double jump_m = 0.35e-3;
   const int ticks = 8;  // return_s in ticks
   for (int i = 1; i <= 3 * ticks; ++i) {
-    if (i % 4 == 1) {  // a frame every 4 ms, all of the same bone
+    if (i % 4 == 1) {  // every 4 ms a new frame of the unchanged bone
       model.frame += 1;
       model.contacts[0].p_W_m = Vector3(0.0, 0.0, jump_m);
     }

@@ -53,8 +53,8 @@ TEST(Multisine, HasPowerOnlyOnItsOwnHarmonics) {
 TEST(Multisine, SpeedIsFlatUpTo20HzAndAccelerationAbove) {
   const Multisine motion(1, 0.05);
   for (const MultisineLine& line : motion.lines()) {
-    const double hz = Multisine::Frequency(line.harmonic),
-                 speed = line.amplitude_m * hz;  // amplitude of the speed, divided by 2 pi
+    // amplitude of the speed, divided by 2 pi
+    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;
     const double first_speed = motion.lines()[0].amplitude_m * Multisine::Frequency(3);
     EXPECT_NEAR(speed, first_speed * std::min(1.0, 20.0 / hz), 1e-12) << hz;
   }
@@ -65,7 +65,7 @@ TEST(Multisine, HasTheRequestedPeakSpeedAndASmallCrestFactor) {
     const Multisine motion(seed, 0.05);
     EXPECT_NEAR(motion.peak().v_m_per_s, 0.05, 1e-12);
     EXPECT_LT(motion.peak().v_m_per_s / motion.rms_speed_m_per_s(),
-              2.7);  // the crest factor; with arbitrary random phases it is 3 or more
+              2.7);  // limit of the crest factor; with arbitrary random phases it is 3 or more
     EXPECT_LT(motion.peak().x_m, 0.0035);
     EXPECT_LT(motion.peak().a_m_per_s2, 8.0);
   }

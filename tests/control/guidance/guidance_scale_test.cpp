@@ -67,8 +67,8 @@ struct GuidedTool {
   AdmittanceParams law;
   AdmittanceState tool;
   Twist step;
-  double energy_J{
-      0.0};  // energy given to the tool; energy taken in beyond the stored energy + 0.05 J is forgotten
+  // energy given to the tool; energy taken in beyond the stored energy + 0.05 J is forgotten
+  double energy_J{0.0};
   bool limited{false};
 };
 

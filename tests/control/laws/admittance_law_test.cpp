@@ -23,7 +23,7 @@ TEST(AdmittanceLaw, AConstantPushApproachesTheSpeedForceOverDamping) {
   const AdmittanceParams params;
   AdmittanceState state;
   const double dt_s = 1e-5, force_N = 12.0, m_kg = 3.0, b_Ns_per_m = 20.0;
-  double max_error = 0.0;  // [m/s]
+  double max_error = 0.0;  // largest error of the speed [m/s]
   for (int i = 1; i <= 100'000; ++i) {
     ASSERT_TRUE(StepAdmittance(params, {.f = {0.0, force_N, 0.0}, .t = Vector3::Zero()}, dt_s, state));
     const double v = force_N / b_Ns_per_m * (1.0 - std::exp(-b_Ns_per_m * i * dt_s / m_kg));

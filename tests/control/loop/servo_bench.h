@@ -105,11 +105,11 @@ class ServoBench {
   simulation::ContactModel model;
   simulation::ToolCommand last_command;
   rt::Nanoseconds now{rt::kSecond};
-  int ticks{0}, frame_ticks{2};  ///< ticks so far; ticks per frame of the simulation
+  int ticks{0}, frame_ticks{2};  ///< number of ticks so far; number of ticks for one frame of the simulation
   double push_N{0.0};            ///< force of the hand along the feed; side_W_N acts in addition
   Vector3 side_W_N{Vector3::Zero()};
-  bool sensor_lives{true},
-      simulation_lives{true};    ///< false: no new reading of the sensor, no new frame of the simulation
+  /// false: no new reading of the sensor, no new frame of the simulation
+  bool sensor_lives{true}, simulation_lives{true};
   double reach_m{10.0};          ///< largest distance to the tool at which a frame contains the plane
   bool arm_moves{true};          ///< false: the arm stays in place in spite of commands
   bool one_frame_behind{false};  ///< true: a frame is delivered only when the next frame begins
@@ -133,7 +133,7 @@ class ServoBench {
     in_work_ = frame;
   }
 
-  simulation::ContactModel in_work_;  // the latest frame, not yet delivered if one_frame_behind
+  simulation::ContactModel in_work_;  // latest frame; with one_frame_behind, it is not yet delivered
 };
 
 }  // namespace osteon::control

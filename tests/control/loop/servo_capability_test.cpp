@@ -67,8 +67,9 @@ double MaxTorqueRatio(const kinematics::ChainParams<7>& body, const JointArray& 
 }
 
 struct PressResult {
-  double max_torque_ratio{0.0};  ///< largest ratio of a torque to its limit, over the run
-  double off_direction{0.0};     ///< largest sine of the angle between the limited force and the feed
+  double max_torque_ratio{0.0};  ///< largest ratio of a joint's torque to its limit during the run
+  /// largest sine of the angle between the limited force and the feed direction
+  double off_direction{0.0};
   int limited_ticks{0}, ticks{0};
   TickRecord last;
   safety::LimitCount arm;  ///< how often the arm's torque limited the wrench

@@ -84,8 +84,8 @@ class CouplingWork {
   void Add(const TickRecord& record) {
     const Wrench F = record.F_coupling_T_W;
     if (begun_) {
-      sum_J_ += 0.5 * (Power(F_before_, step_) +
-                       Power(F, step_));  // uses the mean of the forces at both ends of the previous step
+      // uses the mean of the forces at both ends of the previous step
+      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));
       min_J_ = std::min(min_J_, sum_J_);
       step_ = SmallStep(X_before_, Pose(record.X_WT_cmd));
     }

@@ -113,8 +113,8 @@ TEST(ServoInput, AModelOrReadingWithAWrongStampIsNotFresh) {
     readings.force.stamp = other.now + offset;
     readings.force.F_S =
         ServoBench::OnTheSensor({.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()}, other.ToolNow());
-    if (offset == -80 * rt::kMillisecond)
-      continue;  // a reading of this age still counts: its force fades to 0 at an age of 100 ms
+    // a reading of this age still counts: its force fades to 0 at an age of 100 ms
+    if (offset == -80 * rt::kMillisecond) continue;
     record = other.loop.Tick({.state = other.arm,
                               .received = ReceiveResult::kOk,
                               .readings = readings,

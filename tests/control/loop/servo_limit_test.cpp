@@ -88,8 +88,8 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
     Adversary adversary(seed);
     ServoParams params = ServoBench::Params();
     params.wrench.max_force_N =
-        seed % 3 == 0 ? 1e9
-                      : 150.0;  // with the absurd limit of 1e9 N, the built-in ceiling of 200 N must hold
+        // with the absurd limit of 1e9 N, the built-in ceiling of 200 N must hold
+        seed % 3 == 0 ? 1e9 : 150.0;
     params.wrench.max_torque_Nm = 5.0;
     params.spindle_rad_per_s = seed % 2 == 0 ? 26.18 : 0.0;
     const double limit_N = seed % 3 == 0 ? 200.0 : 150.0;

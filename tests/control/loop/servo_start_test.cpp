@@ -46,7 +46,7 @@ class ServoStart : public ::testing::Test {
   double RemainingAngle() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
   ServoBench bench{Params(), 10.0};  // no bone is near
-  bool permitted{true}, held{true};  // whether the PLC permits motion, and the enabling switch is held
+  bool permitted{true}, held{true};  // whether the PLC permits motion; whether the enabling switch is held
   double max_step_rad{0.0};
 };
 

@@ -283,7 +283,7 @@ TEST_F(HandLedArm, AStopEndsOnceTheArmIsMeasuredAtRest) {
   speed_rad_per_s = 0.1;
   for (int i = 0; i < 50; ++i) Lead();
   bench.loop.RequestStop();
-  for (int i = 0; i < 500; ++i) Lead();  // the hand keeps moving the arm
+  for (int i = 0; i < 500; ++i) Lead();  // meanwhile the hand moves the arm on
   EXPECT_EQ(bench.loop.phase(), Phase::kStopping) << "it moves at " << Speed_m_per_s() << " m/s";
   speed_rad_per_s = 0.0;
   for (int i = 0; i < 15; ++i) Lead();

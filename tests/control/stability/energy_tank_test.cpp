@@ -15,7 +15,7 @@ namespace osteon::control {
 namespace {
 
 constexpr double kT = 1e-3;                   // period of a tick [s]
-constexpr double kSoft = 2e3, kStiff = 20e3;  // stiffnesses of the wall [N/m]
+constexpr double kSoft = 2e3, kStiff = 20e3;  // the two stiffnesses of the wall [N/m]
 
 // A virtual tool in front of a wall. The shipped admittance law moves the tool, each frame may change the
 // wall, and an energy tank scales the wall's force.

@@ -40,7 +40,7 @@ struct Oscillation {
   }
 };
 
-// A run of the vibration index over a force, with its largest values since the last ResetPeaks.
+// A run of the vibration index over a force. It keeps the largest values since the last ResetPeaks.
 struct IndexRun {
   VibrationIndex index{{}, kDt_s};
   double t_s{0.0};  // time since the run began

@@ -24,7 +24,7 @@ namespace {
 
 // High bits of a frame's byte 0: further events.
 enum Op : unsigned {
-  kGap = 1u << 4,    // frames before this one were lost
+  kGap = 1u << 4,    // the bus reports that frames before this one were lost
   kLater = 1u << 5,  // the frame comes 10 ms later; if not set, 1 ms
   kExtra = 1u << 6,  // for a sensor, a bias is requested; the drive is switched off and its faults are reset
   kRestart = 1u << 7,  // the client is restarted, if kExtra is set as well
@@ -96,7 +96,7 @@ void FuzzDrive(Input& in) {
   auto drive = *io::ReamerDrive::Make(
       {.node = 16, .gear_ratio = kGear, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = kMaxSpeed_rad_per_s});
   const std::array<std::uint16_t, 8> ids{0x590, 0x710, 0x190, 0x290, 0x090, 0x000, 0x080, 0x390};
-  io::CanFrame asked;  // the client's newest SDO request
+  io::CanFrame asked;  // newest SDO request of the client
   // index 14 stands for the correct answer to the newest request
   const auto next = [&](unsigned op) {
     if ((op & 15u) != 14) return NextFrame(in, op, ids);

@@ -49,7 +49,7 @@ void BurrOverManyFrames(const VulkanParams& vulkan) {
   EnginePair engines(DefaultBone(), tool, vulkan);
   const int frames = ManyFrames(1500);
   for (int i = 0; i < frames; ++i) {
-    // the burr goes down into the rim while it moves along a figure of eight
+    // the burr moves down into the cup's rim, and at the same time along a figure of eight
     const double phase = 4.0 * M_PI * i / frames, down = std::min(1.0, 3.0 * i / frames);
     FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
     input.X_WT.p =

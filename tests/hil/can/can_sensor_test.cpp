@@ -47,7 +47,8 @@ TEST(RobotousDevice, SaturatesAtItsRangeAndReportsTheOverload) {
   device.SetLoad(Load(0, 0, -900, 0, 20, 0));
   device.Accept(At(0, "064#0A00000000000000"));
   EXPECT_EQ(Sent(device, 0),
-            (Frames{"001#0A000000009E5800", "002#0075300000140000"}));  // -25000, 30000; z, ty
+            (Frames{"001#0A000000009E5800",
+                    "002#0075300000140000"}));  // saturated counts: force z -25000, torque y 30000
   device.Accept(At(0, "064#1200000000000000"));
   EXPECT_EQ(Sent(device, 0), (Frames{"001#1200000100010000", "002#0000000000000000"}));
 }

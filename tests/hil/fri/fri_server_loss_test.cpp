@@ -50,7 +50,7 @@ TEST(FriServer, LossesOfMoreThanASecondAgoAreForgotten) {
   for (int i = 0; i < 5000; ++i) s.Cycle(i % 50 != 0);
   EXPECT_EQ(s.server.state(), SessionState::kCommandingActive);
   EXPECT_EQ(s.server.counters().lost, 100u);
-  EXPECT_EQ(s.server.quality(), 1);  // FAIR
+  EXPECT_EQ(s.server.quality(), 1);  // quality FAIR
   for (int i = 0; i < 1000; ++i) s.Cycle();
   EXPECT_EQ(s.server.quality(), 3);
 }

@@ -24,8 +24,8 @@ void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, cons
   EXPECT_EQ(s.server.stop().joint, joint);
   EXPECT_NE(Describe(s.server.stop()).find(text), std::string::npos) << Describe(s.server.stop());
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
-  EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);  // STOP_LEVEL_1
-  EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);  // drives off
+  EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);  // safety stop: STOP_LEVEL_1
+  EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);  // drive state: off
   // the stop lasts even if the client then answers perfectly
   for (int i = 0; i < 1000; ++i) s.Cycle();
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
@@ -79,7 +79,7 @@ TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
     s.server.Acknowledge();
     s.Cycle();
     EXPECT_EQ(UintAt(s.message, {2, 2}), 0u);
-    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);  // transitioning
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);  // drive state: transitioning
     for (int i = 0; i < 498; ++i) s.Cycle();
     EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);
     s.Cycle();

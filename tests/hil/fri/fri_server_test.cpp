@@ -32,7 +32,7 @@ TEST(FriServer, WalksTheSessionStatesInOrder) {
                                SessionState::kCommandingWait, SessionState::kCommandingActive}));
   EXPECT_EQ(s.server.counters().lost, 0u);
   EXPECT_EQ(s.server.counters().answered, 1000u);
-  EXPECT_EQ(UintAt(s.message, {4, 2}), 3u);  // EXCELLENT
+  EXPECT_EQ(UintAt(s.message, {4, 2}), 3u);  // quality EXCELLENT
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
 }
 

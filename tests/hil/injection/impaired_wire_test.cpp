@@ -242,7 +242,7 @@ TEST(ImpairedWire, CountsDatagramsThatFindNoRoom) {
                     {.datagrams = 10, .bytes = 8});
   const std::array<std::uint8_t, 9> bytes{};
   for (int i = 0; i < 12; ++i) wire.Push(std::span(bytes).first(8), i * kMs);
-  wire.Push(bytes, 12 * kMs);  // too long
+  wire.Push(bytes, 12 * kMs);  // 9 bytes: longer than the wire's largest datagram
   EXPECT_EQ(wire.counters().overflow, 3u);
   EXPECT_EQ(wire.waiting(), 10u);
   EXPECT_TRUE(Balances(wire));

@@ -159,7 +159,8 @@ TEST(OperatorHand, WrenchAtTheToolsOriginEqualsTheForceAtTheHeadsCentre) {
   OperatorHand hand({}, Hold());
   hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
-  X_WT.translation() += Vector3(1e-3, 2e-3, 3e-3);  // pure translation: no torque at the head's centre
+  X_WT.translation() +=
+      Vector3(1e-3, 2e-3, 3e-3);  // a pure translation, so there is no torque at the head's centre
   const Wrench F = hand.Step(0.1, 1e-3, X_WT, {});
   for (int i = 0; i < 3; ++i) {
     const Vector3 w = Vector3::Unit(i);
@@ -174,7 +175,7 @@ TEST(OperatorHand, PressesWithTheScriptedForceAgainstAFixedTool) {
   hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   Pose X_WT = script.Sample(0.0).X_WT;
-  X_WT.translation() -= 0.042 * n;  // from the start at 40 mm to 2 mm below height 0
+  X_WT.translation() -= 0.042 * n;  // from the start at the height 40 mm to the height -2 mm
   for (int k = 1; k <= 10000; ++k) {
     const double t = k * 1e-3;
     const Wrench F = hand.Step(t, 1e-3, X_WT, {});

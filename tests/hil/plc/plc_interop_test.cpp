@@ -47,7 +47,7 @@ class PlcCell : public ::testing::Test {
   bool Start() {
     server_->SetPanel({.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1});
     if (!Until([&] { return (server_->outputs().blocks & 0x3f) == 0; }))
-      return false;  // both heartbeats arrive
+      return false;  // for example, a heartbeat is missing
     server_->SetPanel(
         {.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1, .reset = true});
     if (!Until([&] { return DescribeBlocks(server_->outputs().blocks) == "not requested"; })) return false;

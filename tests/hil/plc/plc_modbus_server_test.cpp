@@ -59,10 +59,10 @@ TEST(ModbusServer, AnswersBadRequestsWithAnExceptionAndWritesNothing) {
            Case{{3, 0x03, 0xca, 0, 126}, 3},          // more than 125 registers
            Case{{3, 0x03, 0xca, 0, 3}, 2},            // third register beyond the map
            Case{{3, 0xff, 0xff, 0, 2}, 2},            // beyond the address space
-           Case{{3, 0x03, 0xca, 0}, 3},               // cut off
-           Case{{3}, 3},                              // cut off
+           Case{{3, 0x03, 0xca, 0}, 3},               // request is cut off
+           Case{{3}, 3},                              // request is cut off
            Case{{6, 0x03, 0xca, 0, 1}, 2},            // write to a read-only register
-           Case{{6, 0x03, 0xde, 0}, 3},               // cut off
+           Case{{6, 0x03, 0xde, 0}, 3},               // request is cut off
            Case{{16, 0x03, 0xde, 0, 2, 4, 0, 1}, 3},  // fewer bytes than announced
            Case{{16, 0x03, 0xde, 0, 2, 2, 0, 1, 0, 2}, 3},  // byte count for one register, not two
            Case{{16, 0x03, 0xdf, 0, 2, 4, 0, 1, 0, 2}, 2},  // the second register does not exist

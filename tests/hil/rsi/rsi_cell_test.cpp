@@ -151,7 +151,7 @@ TEST(RsiCell, RsiEndsWithoutPowerAndBeginsAnewWithIt) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
-  cell.SetPower(false);  // the PLC has not switched it on yet
+  cell.SetPower(false);  // the PLC has not yet switched the power on
   EXPECT_TRUE(cell.Step(kCycle).empty());
   EXPECT_EQ(cell.state().session, SessionState::kIdle);
   EXPECT_EQ(DescribeStop(cell.state()), "the drives have no power");

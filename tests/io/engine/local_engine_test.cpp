@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // long, so that a busy machine fails no test
+constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // so long that a busy machine fails no test
 
 // Deadline of a wait that must succeed.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }

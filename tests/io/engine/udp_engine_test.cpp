@@ -19,7 +19,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;  // long, so that a busy machine fails no test
+constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;  // so long that a busy machine fails no test
 constexpr rt::Nanoseconds kSlice =
     5 * rt::kMillisecond;  // interval at which the engine's thread checks whether it must end
 
