@@ -25,15 +25,16 @@ constexpr double kTau = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> kAxes{"x", "y", "z", "about x", "about y", "about z"};
 constexpr std::array<const char*, 3> kColors{"#0072b2", "#d55e00", "#009e73"};
 constexpr const char* kAskedColor = "#777777";
-// Limits of a sweep's travel, speed and wrench: small compared with a joint's range, large compared with
-// rounding.
+// Largest travel, speed and wrench of the excitation: small compared with a joint's range, large compared
+// with rounding.
 constexpr double kTravel_m = 0.005, kSpeed_m_per_s = 0.05, kWrench_N = 20.0;
 constexpr double kTravel_rad = 0.02, kSpeed_rad_per_s = 0.2, kWrench_Nm = 2.0;
-// Tolerances relative to the requested impedance: of the stiffness in contact, of the rms in free motion, and
-// the error of either beyond which the result is bad, since an error as large as the request is no longer the
-// requested feel. A hand distinguishes stiffnesses from a difference of about 23 % (L. A. Jones and I. W.
-// Hunter, Exp. Brain Res. 79, 1990) and damping from 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by
-// forced choice; 34 % where one arm is matched with the other, 1993).
+// Bounds of the error relative to the requested impedance. Above kNoticed (stiffness in contact) or
+// kNoticedFree (rms in free motion), a hand may notice the error. Above kSomethingElse, the error is as large
+// as the request, so the hand feels something else than the request. Source: a hand notices differences of
+// stiffness above about 23 % (L. A. Jones and I. W. Hunter, Exp. Brain Res. 79, 1990), and of damping above
+// 19 % (Jones, Hunter, Lafontaine, Perception 26, 1997, by forced choice; 34 % when one arm is matched with
+// the other, 1993).
 constexpr double kNoticed = 0.23, kNoticedFree = 0.19, kSomethingElse = 1.0;
 // Mean and amplitude of the hand's force in contact, as fractions of the cell's force limit.
 constexpr double kPreload = 0.3, kSwing = 0.1;
@@ -47,7 +48,7 @@ std::vector<double> Frequencies(int count) {
   return hz;
 }
 
-// The bench with the cell's own loop and simulated arm at the cell's start.
+// Parameters of the test bench: the cell's own loop and simulated arm at the cell's start.
 HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOptions& options) {
   HandleBenchParams bench;
   bench.servo = cell.servo;
@@ -56,14 +57,14 @@ HandleBenchParams BenchOf(const config::CellConfig& cell, const TransparencyOpti
   bench.X_FT = cell.tool.X_FT;
   bench.arm_angle_rad = cell.start.arm_angle_rad;
   bench.sensor_feels_inertia = cell.simulated.sensor_feels_inertia;
-  bench.servo.admittance.locked = {};  // measures an axis as if it were not locked
+  bench.servo.admittance.locked = {};  // an axis that the cell locks is measured as if it were free
   bench.sensor_delay_ticks = options.sensor_delay_ticks;
   return bench;
 }
 
 double PhaseDegrees(const Complex& z) { return std::arg(z) * 360.0 / kTau; }
 
-// Impedance that law and coupling request while the tool touches the plane.
+// The impedance that law and coupling together request while the tool touches the plane.
 Complex AskedInContact(const TransparencyResult& result, const HandlePoint& point) {
   const TransparencyAxis& z = result.axes[2];
   const double w = kTau * point.frequency_hz;
@@ -71,14 +72,14 @@ Complex AskedInContact(const TransparencyResult& result, const HandlePoint& poin
           w * z.asked_mass - result.asked_stiffness_N_per_m / w};
 }
 
-// Unwraps the phase: no jumps of a whole turn between frequencies.
+// Unwraps the phase: removes jumps of a whole turn between neighbouring frequencies.
 report::Series Unwrapped(report::Series series) {
   for (std::size_t i = 1; i < series.y.size(); ++i)
     series.y[i] -= 360.0 * std::round((series.y[i] - series.y[i - 1]) / 360.0);
   return series;
 }
 
-// A curve of one value of each point over its frequency.
+// A curve that shows one value of each point over the point's frequency.
 report::Series Curve(const std::string& name, const std::string& color,
                      const std::vector<HandlePoint>& points,
                      const std::function<double(const HandlePoint&)>& value, double opacity = 1.0) {
@@ -90,7 +91,8 @@ report::Series Curve(const std::string& name, const std::string& color,
   return series;
 }
 
-// Draws magnitude and phase of the impedance, measured and requested: in free motion, then in contact.
+// Draws magnitude and phase of the measured and the requested impedance: first in free motion, then in
+// contact.
 std::string PlotSvg(const TransparencyResult& result) {
   std::array<report::LineChart, 4> panels{
       report::LineChart{.title = "Free motion, along the tool's axes", .y_label = "|F/v| [N s/m]"},
@@ -139,7 +141,7 @@ std::string PlotSvg(const TransparencyResult& result) {
   return report::Svg(panels);
 }
 
-// A point's figures, measured and requested. @param mode  "free" or "contact"
+// One point's measured and requested figures as JSON. @param mode  "free" or "contact"
 nlohmann::ordered_json PointJson(const char* mode, const char* axis, const HandlePoint& point,
                                  const Complex& asked) {
   const double w = kTau * point.frequency_hz;
@@ -291,7 +293,7 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
     }
     TransparencyAxis axis{.axis = i, .points = SweepFree(bench, sweep), .fit = {}};
     axis.fit = FitMassAndDrag(axis.points, kTransparencyFit_hz);
-    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass, at 1 Hz
+    const Complex asked = AskedImpedance(law, i, 1.0);  // drag + j 2π mass: the requested impedance at 1 Hz
     axis.asked_drag = asked.real();
     axis.asked_mass = asked.imag() / kTau;
     double sum = 0.0;
@@ -315,7 +317,8 @@ TransparencyResult MeasureTransparency(const config::CellConfig& cell, const Tra
         bench,
         {.axis = 2, .frequency_hz = hz, .amplitude = result.contact_amplitude_N, .bias = result.preload_N},
         HandleWall{result.asked_stiffness_N_per_m}));
-  // in contact Z is about K / (j w) at the lowest frequency
+  // at the lowest frequency the impedance in contact is about K / (j w): K is the felt stiffness, w the
+  // angular frequency
   const HandlePoint& slowest = result.contact.front();
   result.stiffness_N_per_m = (slowest.impedance * Complex(0.0, kTau * slowest.frequency_hz)).real();
   progress.Done();

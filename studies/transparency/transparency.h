@@ -18,7 +18,7 @@ struct TransparencyOptions {
   std::filesystem::path out{"transparency"};
   std::filesystem::path json{};  ///< a second copy of transparency.json
   std::filesystem::path
-      identified{};  ///< a file of `osteon identify`; empty: that of the cell's file, if any
+      identified{};  ///< a file of `osteon identify`; empty: the file that the cell's file names, if any
   int points{25};    ///< number of frequencies, evenly spaced in the logarithm
   int sensor_delay_ticks{1};
   std::string command_line{};
@@ -26,42 +26,46 @@ struct TransparencyOptions {
 
 /// The range of the measured frequencies.
 inline constexpr double kTransparencyMin_hz = 0.1, kTransparencyMax_hz = 30.0;
-/// Mass and drag are fitted, and the residual is computed, up to this frequency: the band of hand motion.
+/// Upper end of the band of hand motion. Mass and drag are fitted, and the residual is computed, up to this
+/// frequency.
 inline constexpr double kTransparencyFit_hz = 3.0;
 
-/// The measurement of one direction of the tool in free motion.
+/// The measurement along or about one axis of the tool in free motion.
 struct TransparencyAxis {
-  int axis{0};  ///< 0 … 2 along x y z of T, 3 … 5 about them
+  int axis{0};  ///< 0 … 2: along x, y, z of T; 3 … 5: about x, y, z of T
   std::vector<HandlePoint> points;
   HandleFit fit;
-  double asked_mass{0.0}, asked_drag{0.0};  ///< [kg, N s/m], about an axis [kg m^2, N m s/rad]
-  /// rms over the band of |Z - asked| / |asked|: the part of the impedance that the law does not request.
+  /// requested values; [kg, N s/m], for a rotation [kg m^2, N m s/rad]
+  double asked_mass{0.0}, asked_drag{0.0};
+  /// rms of |Z - asked| / |asked| over the band of hand motion; Z is the measured impedance, asked the
+  /// requested one.
   double residual{0.0};
 };
 
 /// The impedance at the handle, measured and requested, in free motion and in contact.
 struct TransparencyResult {
   std::string cell;
-  std::vector<TransparencyAxis> axes;   ///< six
-  std::vector<HandlePoint> contact;     ///< along z, against a plane across z
-  double asked_stiffness_N_per_m{0.0};  ///< stiffness of the plane
-  /// The coupling's damping, which applies as long as it adds less than its permitted share of the force.
+  std::vector<TransparencyAxis> axes;   ///< one for each of the six axes
+  std::vector<HandlePoint> contact;     ///< along z, against a plane perpendicular to z
+  double asked_stiffness_N_per_m{0.0};  ///< requested stiffness: that of the plane
+  /// Damping of the coupling. The coupling limits it if it would add more than its permitted share of the
+  /// force.
   double asked_damping_Ns_per_m{0.0};
-  double stiffness_N_per_m{0.0};                    ///< felt stiffness at the lowest frequency
+  double stiffness_N_per_m{0.0};                    ///< measured stiffness, at the lowest frequency
   double preload_N{0.0}, contact_amplitude_N{0.0};  ///< mean and amplitude of the hand's force in contact
-  /// The headline figure: the worst residual of the three directions along which the tool is led.
+  /// The main figure: the largest residual of the three translations, along which the hand leads the tool.
   [[nodiscard]] double free_residual() const;
-  [[nodiscard]] double apparent_mass_kg() const;  ///< the largest of the three
-  [[nodiscard]] double drag_Ns_per_m() const;     ///< the largest of the three
+  [[nodiscard]] double apparent_mass_kg() const;  ///< largest of the three translations
+  [[nodiscard]] double drag_Ns_per_m() const;     ///< largest of the three translations
   [[nodiscard]] bool fault() const;
 };
 
-/// Bad if the loop stopped, or if the hand feels something entirely different from the law's request. To be
-/// looked at if, in free motion or in contact, a hand may notice the difference.
+/// Bad if the loop stopped, or if an error is as large as the requested impedance. A warning if a hand may
+/// notice the error, in free motion or in contact.
 [[nodiscard]] session::Verdict Judge(const TransparencyResult& result);
 
-/// Excites the cell's own loop and simulated arm at the cell's start. The hand is a known wrench, so the
-/// result does not contain a hand's mass and stiffness.
+/// Excites the cell's own loop and simulated arm at the cell's start. A known wrench replaces the hand, so
+/// the result contains no mass and stiffness of a hand.
 [[nodiscard]] TransparencyResult MeasureTransparency(const config::CellConfig& cell,
                                                      const TransparencyOptions& options);
 

@@ -8,8 +8,8 @@
 namespace osteon::studies {
 namespace {
 
-// The arm that was fitted on the response's axis at the speed nearest to the response's; null: none was
-// fitted.
+// The fitted arm on the response's axis whose speed is nearest to the response's; null if no arm was fitted
+// on this axis.
 const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
                                        const config::IdentifiedResponse& response) {
   const config::IdentifiedArm* nearest = nullptr;
@@ -21,7 +21,8 @@ const config::IdentifiedArm* ArmBeside(const config::IdentifiedCell& identified,
   return nearest;
 }
 
-// Stiffness of the spring [N/m] by which the identification multiplied x / f; empty: not known.
+// Stiffness of the spring [N/m] with which `osteon identify` multiplied its response x / f (motion over
+// force); empty: not known.
 std::optional<double> SpringOf(const config::IdentifiedResponse& response, const config::IdentifiedArm* arm) {
   if (response.spring_N_per_m) return response.spring_N_per_m;
   if (arm == nullptr || !arm->felt_mass_kg) return {};
@@ -29,7 +30,7 @@ std::optional<double> SpringOf(const config::IdentifiedResponse& response, const
   return *arm->felt_mass_kg * w * w;
 }
 
-// Name of a case's hand and axis, by which WorstCurve finds the case again.
+// Name of a case's hand and axis. WorstCurve finds the case by this name.
 std::string HandName(const OverlayCase& one, const MeasuredAxis& axis) {
   return one.loop.hand.name + ", along " + axis.axis;
 }

@@ -17,7 +17,7 @@
 namespace osteon::studies {
 namespace {
 
-// Accepted relative difference between the measured mass along z and that of the arm's model.
+// Accepted relative difference between the measured mass along z and the mass of the arm's model.
 constexpr double kMaxMassOff = 0.15;
 
 }  // namespace
@@ -124,7 +124,7 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
 
 namespace {
 
-// The file gains.yaml with the recommended coupling.
+// The text of gains.yaml with the recommended coupling.
 std::string GainsYaml(const OverlayTuning& t, const std::string& command_line) {
   return fmt::format(
       "# {}\n# Stands hands up to {:g} N/m with gain margin {:.2f}. For: osteon run CELL.yaml --gains "
@@ -178,7 +178,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
   return session::ResultText(Judge(t), json);
 }
 
-// Draws the stiffest stable wall over the law's damping, predicted and simulated.
+// Draws the stiffest stable wall over the law's damping: predicted by the linear loop, and simulated.
 std::string BoundarySvg(const OverlayTuning& t) {
   report::LineChart chart{.title = "Greatest wall stiffness with the impedance law",
                           .x_label = "damping of the law [N s/m]",
@@ -189,7 +189,7 @@ std::string BoundarySvg(const OverlayTuning& t) {
                           .plot_height_px = 330.0};
   report::Series predicted{.name = "predicted", .width_px = 2.0};
   report::Series simulated{.name = "simulated", .width_px = 0.0, .marker = report::Marker::kRing};
-  // [kN/m]; not drawn where the loop is unstable without a wall
+  // converts to [kN/m]; draws no point if the loop is unstable without a wall
   const auto shown = [](double N_per_m) {
     return N_per_m > 0.0 ? 1e-3 * N_per_m : std::numeric_limits<double>::quiet_NaN();
   };

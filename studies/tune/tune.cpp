@@ -32,22 +32,22 @@
 namespace osteon::studies {
 namespace {
 
-// The virtual masses that are tried. Below 1 kg a hand's own mass dominates; above 5 kg the tool is no longer
-// light.
+// Virtual masses that are tried. Below 1 kg the hand's own mass dominates; above 5 kg the tool no longer
+// feels light.
 constexpr std::array kMasses_kg{1.0, 1.4, 1.7, 2.0, 2.4, 2.8, 3.4, 4.0, 5.0, 7.0};
 constexpr int kWalls = 32;                                // number of wall stiffnesses in the map
-constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;  // of boundaries and map [N s/m]
-constexpr double kTie = 1.05;  // drags within this ratio count as equal, and the lighter tool is then chosen
+constexpr double kMinDamping = 5.0, kMaxDamping = 500.0;  // range of dampings of boundaries and map [N s/m]
+constexpr double kTie = 1.05;  // drags within this ratio count as equal; of these the lightest tool is chosen
 
-// Everything that a result depends on, besides its own parameters, as text. The number at the text's begin
-// changes with the method.
+// All inputs of the task that a result depends on, as text. The number at the beginning of the text changes
+// with the method.
 std::string KeyText(const TuneTask& t) {
   std::string text =
       fmt::format("2 {} {} {} {} {} {} {} {} {} {} {} {}", t.loop.arm.bandwidth_hz, t.loop.arm.damping_ratio,
                   t.loop.arm.dead_cycles, t.loop.felt_mass_kg, t.loop.sensor_delay, t.loop.period_s,
                   t.wall_N_per_m, t.plane_N_per_m, t.worst_age_s, t.margin, t.command_loss, t.command_jitter);
   if (!t.measured_only) return text;
-  // The response's grid depends on every line and on the model.
+  // The measured response depends on each of its lines and on the model that continues it.
   std::uint64_t hash = 14695981039346656037ull;
   const auto add = [&hash](const MeasuredPlant& response) {
     for (const MeasuredPlant::Point& point : response.grid())
@@ -70,22 +70,24 @@ std::string KeyText(const std::vector<hil::GridHand>& hands) {
 // The part of a cache key that stands for these gains.
 std::string KeyText(const TuneGains& g) { return fmt::format(" {} {}", g.mass_kg, g.damping_Ns_per_m); }
 
-// Numbers of the study's results: first the results from which gains are recommended, which every shard
-// computes for itself, then the results at the recommended gains.
+// Numbers of the study's items. The first items lead to the recommended gains, and every shard computes them
+// for itself. The others are computed for the recommended gains, and the shards divide them.
 struct Items {
   static constexpr std::size_t kOwnMargin = 0, kDrags = 1, kMargins = kDrags + 2 * kMasses_kg.size(),
                                kRecommended = kMargins + kMasses_kg.size();
   static constexpr std::size_t kRecommendedMargin = kRecommended, kStiffestDrag = kRecommended + 1,
                                kClampDrag = kRecommended + 2, kBoundaries = kRecommended + 3;
-  // First boundary of a set of hands. @param hands  0 firm, 1 human, 2 stiffest; @param dampings  in the map
+  // First item of the boundaries of a set of hands. @param hands  0 firm, 1 human, 2 stiffest; @param
+  // dampings  number of dampings in the map
   static std::size_t Boundaries(std::size_t hands, int dampings) {
     return kBoundaries + hands * static_cast<std::size_t>(dampings + 1);
   }
-  // First row of a map. @param map  0 human, 1 stiffest hands
+  // First item of a map's rows. @param map  0 human, 1 stiffest hands
   static std::size_t Rows(std::size_t map, int dampings) {
     return Boundaries(3, dampings) + map * static_cast<std::size_t>(kWalls);
   }
-  // Simulations in time: `which` is 0 for the check, 1 for stiff hands, 2 for the index.
+  // Item of the simulations in time. @param which  0: the check of all hands, 1: the stiff hands, 2: the
+  // vibration index
   static std::size_t InTime(std::size_t which, int dampings) { return Rows(2, dampings) + which; }
   static std::size_t Count(const TuneResult& r, int dampings) {
     return r.Stands() ? InTime(3, dampings) : kRecommended;
@@ -104,14 +106,15 @@ std::vector<double> NumbersFrom(const nlohmann::json& list) {
   return values;
 }
 
-// Reuses earlier results if nothing has changed, and computes the others in parallel.
+// Reuses earlier results if their inputs have not changed, and computes the others in parallel.
 class Study {
  public:
   Study(const TuneTask& task, TuneCache& cache, StudyItems& items, int threads)
       : task_(task), cache_(cache), items_(items), threads_(threads) {}
 
-  // An item's numbers: from the parts, from the cache, or computed now. Empty if the item belongs to another
-  // shard, or after an interrupt. @param what  the result and its own parameters, as text for the key
+  // Returns an item's numbers: read from the parts of the shards, found in the cache, or computed now. Empty
+  // if the item belongs to another shard, or after an interrupt. @param what  the result's name and
+  // parameters, as text for the cache's key
   template <typename Compute>
   std::vector<double> Get(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::string from = what + ": " + KeyText(task_);
@@ -128,13 +131,13 @@ class Study {
     items_.Store(item, JsonOf(values));
     return values;
   }
-  // Get for an item of a single number; 0 if there is none.
+  // Gets the number of an item that has only one; 0 if the item was not computed.
   template <typename Compute>
   double One(std::size_t item, const std::string& what, const Compute& compute) const {
     const std::vector<double> values = Get(item, what, [&] { return std::vector<double>{compute()}; });
     return values.size() == 1 ? values[0] : 0.0;
   }
-  // Gets the result of an item that is not cached: it is computed here, or read from the parts.
+  // Gets the result of an item that is never cached: reads it from the parts of the shards, or computes it.
   template <typename Result, typename FromJson, typename ToJson, typename Compute>
   void Run(std::size_t item, Result& result, const FromJson& from, const ToJson& to,
            const Compute& compute) const {
@@ -145,7 +148,7 @@ class Study {
       items_.Store(item, to(result));
     }
   }
-  // Marks an item that this study does not need.
+  // Stores an empty result for an item that this study does not need.
   void Skip(std::size_t item) const { items_.Store(item, nlohmann::json::array()); }
   // Calls each(i) for all i below count in parallel, until an interrupt.
   template <typename Each>
@@ -167,7 +170,7 @@ class Study {
     return One(item, fmt::format("drag {}{}", mass_kg, KeyText(hands)),
                [&] { return MinDragFor(task_, mass_kg, hands); });
   }
-  // BoundaryAt as an item of four numbers; zeros if the item was not computed.
+  // The result of BoundaryAt, stored as an item of four numbers. All are zero if the item was not computed.
   [[nodiscard]] TuneBoundary BoundaryOf(std::size_t item, const TuneGains& gains,
                                         const std::vector<hil::GridHand>& hands, double max_N_per_m) const {
     const std::vector<double> values =
@@ -180,7 +183,7 @@ class Study {
       return {.damping_Ns_per_m = gains.damping_Ns_per_m};
     return {gains.damping_Ns_per_m, values[0], values[1], values[2], static_cast<std::size_t>(values[3])};
   }
-  // The boundaries at the recommended mass and these dampings, an item each.
+  // The boundaries at the recommended mass and these dampings; each boundary is one item.
   [[nodiscard]] std::vector<TuneBoundary> Boundaries(std::size_t first_item, const TuneResult& r,
                                                      const std::vector<double>& dampings,
                                                      const std::vector<hil::GridHand>& hands) const {
@@ -191,7 +194,7 @@ class Study {
     });
     return boundaries;
   }
-  // The decay rates at the recommended mass; the row of each wall is an item.
+  // The decay rates at the recommended mass; the row of each wall is one item.
   [[nodiscard]] TuneMap Map(std::size_t first_item, const TuneResult& r, const std::string& title,
                             const std::vector<hil::GridHand>& hands, int dampings) const {
     TuneMap map{.title = title,
@@ -232,8 +235,8 @@ class Study {
   int threads_;
 };
 
-// Recommends the lightest of the masses that need about the least drag. If some of these masses and their
-// drags count as light, only those are candidates.
+// Recommends the lightest mass among those whose drag is within kTie of the least. If some of them are light
+// (mass and drag below the task's limits), only these are candidates.
 void Recommend(const Study& study, TuneResult& r) {
   r.trade.resize(kMasses_kg.size());
   for (std::size_t i = 0; i < kMasses_kg.size(); ++i) r.trade[i].mass_kg = kMasses_kg[i];
@@ -256,7 +259,8 @@ void Recommend(const Study& study, TuneResult& r) {
   r.recommended = {chosen->mass_kg, std::ceil(chosen->human_Ns_per_m)};
 }
 
-// Finds the mass with the largest gain margin among masses and drag that still count as light.
+// Finds the mass with the largest gain margin. All candidates count as light: the mass is at most the task's
+// limit, and the drag equals the limit.
 void SearchWithinBar(const Study& study, TuneResult& r) {
   std::array<double, kMasses_kg.size()> margins{};
   study.ForEach(kMasses_kg.size(), [&](std::size_t i) {
@@ -271,7 +275,7 @@ void SearchWithinBar(const Study& study, TuneResult& r) {
   r.within_bar = {kMasses_kg[static_cast<std::size_t>(best - margins.begin())], r.task.max_drag_Ns_per_m};
 }
 
-// Computes all results in their order, as far as each of them is needed.
+// Computes all needed results in their order.
 void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgress& progress, TuneResult& r) {
   progress.BeginPhase("the cell's own gains, and the least drag by mass");
   r.own_margin =
@@ -315,7 +319,8 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
             [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
 
-// Maps the guidance of the first reamer of --plan at full gain: all reamers of a plan have the same gains.
+// Maps the guidance of the first reamer in the plan (--plan) at full gain: all reamers of a plan have the
+// same gains.
 // @returns no map without --plan; an error if the plan has no guidance
 tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions& options,
                                                               const TuneTask& task,
@@ -330,7 +335,7 @@ tl::expected<std::optional<GuidanceMap>, std::string> MapPlan(const TuneOptions&
       MapGuidance(task, cell.servo.admittance, *guidance, [] { return base::Interrupted().load(); }));
 }
 
-// Converts a time to whole ticks; the error names the option.
+// Converts a time to whole ticks. If that is not possible, the error names the option.
 tl::expected<int, std::string> Ticks(const char* option, double ms, double period_s) {
   const double ticks = 1e-3 * ms / period_s;
   if (std::abs(ticks - std::round(ticks)) > 1e-6)
@@ -339,7 +344,8 @@ tl::expected<int, std::string> Ticks(const char* option, double ms, double perio
   return static_cast<int>(std::lround(ticks));
 }
 
-// Sets the delays of commands and of the sensor that the user gave; the task keeps the others.
+// Sets the delays that the user gave, of commands and sensor. Delays that the user did not give stay as in
+// the task.
 tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& task) {
   const double period_s = task.loop.period_s;
   if (options.jitter_ms) {
@@ -367,7 +373,7 @@ tl::expected<void, std::string> SetDelays(const TuneOptions& options, TuneTask& 
   return {};
 }
 
-// The cell's task with the options. @returns an error that names the option
+// The cell's task, changed by the options. @returns an error that names the option
 tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const TuneOptions& options) {
   TuneTask task = MeasuredTaskOf(cell);
   if (const auto set = SetDelays(options, task); !set) return tl::unexpected(set.error());
@@ -396,7 +402,7 @@ void AddMargins(TuneResult& r) {
   r.margins.insert(r.margins.end(), recommended.begin(), recommended.end());
 }
 
-// Everything that the results depend on, as text.
+// Everything that the results depend on, as text. Shards of one study must have the same text.
 std::string InputsOf(const TuneResult& r, const TuneOptions& options) {
   return fmt::format("{} {}{}{}", KeyText(r.task), options.dampings, KeyText(r.human_hands),
                      KeyText(r.stiffest_hands));
@@ -426,7 +432,7 @@ int Run(const TuneOptions& options) {
   result.age_bound_Ns_per_m = task->worst_age_s * task->plane_N_per_m;
 
   StudyItems items(options.sharding, InputsOf(result, options));
-  // Check that the parts belong to this study before their items are used.
+  // Check that the shards' parts belong to this study before their items are used.
   if (const std::string wrong = items.ValidateInputs(); !wrong.empty()) return session::Fail("tune", wrong);
   if (!items.IsShard()) {
     std::error_code error;
@@ -435,7 +441,7 @@ int Run(const TuneOptions& options) {
   }
 
   base::InstallInterrupt();
-  // shards may share a folder, so they keep nothing there
+  // shards may share the folder, so a shard writes no cache into it
   TuneCache cache(items.IsShard() ? std::filesystem::path() : options.out / "results.json");
   base::PhaseProgress progress("osteon tune", 4);
   StudyAll(Study(result.task, cache, items, options.threads), options, progress, result);

@@ -16,13 +16,14 @@ struct TuneOptions {
   /// A file of `osteon identify` for this cell; empty: the cell's own, if it names one.
   std::filesystem::path identified{};
   std::filesystem::path plan{};  ///< surgical plan whose guidance is judged as well; empty: none
-  double worst_age_ms{2.0};      ///< largest age of a contact model's pose
+  double worst_age_ms{2.0};      ///< largest age of the pose for which a contact model was computed
   double margin{1.1};            ///< gain margin that the recommended gains must have
   std::optional<double> loss{};  ///< share of lost commands; default: as identified, else 0.01
-  /// Whole periods of the cell. Default: as identified; otherwise one period, but at least 1 ms.
+  /// Delays of commands and of the sensor; each must be whole periods of the cell. Default: as identified;
+  /// otherwise one period, but at least 1 ms.
   std::optional<double> jitter_ms{}, sensor_delay_ms{};
   double human_grip_N_per_m{3e3}, stiffest_grip_N_per_m{10e3};
-  int dampings{16};  ///< number of dampings in the map, from 5 to 500 N s/m
+  int dampings{16};  ///< number of dampings in the map; they range from 5 to 500 N s/m
   int threads{2};
   std::string command_line{};
   Sharding sharding{};

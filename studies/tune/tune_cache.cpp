@@ -40,7 +40,7 @@ std::optional<std::vector<double>> TuneCache::Find(const std::string& from) {
   std::vector<double> values;
   for (const nlohmann::json& value : *at) {
     if (!value.is_number() && !value.is_null()) return {};
-    // JSON has no infinity
+    // infinity was saved as null, because JSON has no infinity
     values.push_back(value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>());
   }
   kept_[Key(from)] = *at;

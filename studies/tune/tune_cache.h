@@ -11,25 +11,27 @@
 
 namespace osteon::studies {
 
-/// Cache of computed numbers in a file. The key of an entry is made from the inputs of its computation.
+/// Cache of computed numbers in a file. An entry's key is a hash of all inputs of its computation.
 class TuneCache {
  public:
-  /// A file that can't be read, or is of another version, counts as empty: its numbers are computed again.
+  /// Reads the file. A file that can't be read or has another version counts as empty, and its numbers are
+  /// computed again.
   explicit TuneCache(std::filesystem::path file);
 
-  /// Finds the numbers that were computed from these inputs. @param from  everything that they depend on, as
-  /// text
+  /// Finds the numbers that were computed from these inputs.
+  /// @param from  everything that the numbers depend on, as text
   [[nodiscard]] std::optional<std::vector<double>> Find(const std::string& from);
   void Store(const std::string& from, const std::vector<double>& values);
-  /// Saves only the entries that were found or stored since construction. The error names the file.
+  /// Saves the entries that were found or stored since construction, and drops all others. The error names
+  /// the file.
   [[nodiscard]] tl::expected<void, std::string> Save() const;
 
-  /// Numbers of entries that were found in the file, and that were stored since construction.
+  /// Number of entries that were found in the file; below, the number that was stored since construction.
   [[nodiscard]] int found() const { return found_; }
   [[nodiscard]] int computed() const { return computed_; }
 
  private:
-  // Hash of the inputs' text.
+  // Hash of the inputs' text, by which an entry is found.
   static std::string Key(const std::string& from);
 
   std::filesystem::path file_;

@@ -11,9 +11,9 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this factor on the plan's gains
+constexpr double kMaxFactor = 4.0;  // boundaries are searched up to this multiple of the plan's gains
 
-// The planar loop with the task's arm and delays, the law's virtual tool, and the guidance.
+// The planar loop of hand, arm and guidance, with the task's arm and delays and the law's virtual tool.
 GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& law,
                         const control::GuidanceParams& guidance) {
   GuidedLoopParams loop{.arm = task.loop.arm,
@@ -29,8 +29,8 @@ GuidedLoopParams LoopOf(const TuneTask& task, const control::AdmittanceParams& l
   return loop;
 }
 
-// The largest stiffness of the depth's spring that is stable with every hand. Hands that are unstable without
-// the spring do not count.
+// The largest stiffness of the depth spring that is stable with every hand. Hands that are unstable even
+// without the spring are left out.
 hil::Boundary DepthBoundary(const TuneTask& task, double max_N_per_m) {
   hil::Boundary least{.value = max_N_per_m, .crossed = false};
   hil::AdmittanceLoopParams loop = task.loop;
@@ -45,7 +45,7 @@ hil::Boundary DepthBoundary(const TuneTask& task, double max_N_per_m) {
   return least;
 }
 
-// A boundary's value in another unit. @param unit_factor  from the value to that unit
+// A boundary's value as text, in another unit. @param unit_factor  multiplies the value to give that unit
 std::string BoundaryText(const hil::Boundary& boundary, double unit_factor) {
   return fmt::format("{}{:.3g}", boundary.crossed ? "" : "at least ", boundary.value * unit_factor);
 }
@@ -67,7 +67,7 @@ GuidanceMap MapGuidance(const TuneTask& task, const control::AdmittanceParams& l
   for (int row = 0; row < GuidanceMap::kNodes && !stopped(); ++row) {
     std::vector<int>& counts = map.counts.emplace_back();
     for (int column = 0; column < GuidanceMap::kNodes; ++column) {
-      // the grid's stiffness at a node, as a factor on the plan's
+      // stiffness at a node of the map, as a factor on the plan's stiffness
       const auto plan_factor = [](int node) {
         return GuidanceMap::kMargin * node / (GuidanceMap::kNodes - 1);
       };

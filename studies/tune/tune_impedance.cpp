@@ -19,14 +19,16 @@
 namespace osteon::studies {
 namespace {
 
-// Ranges of the law's damping [N s/m] and of the wall in which boundaries are searched.
+// Ranges in which boundaries are searched: the law's damping [N s/m], and the wall's stiffness.
 constexpr double kMinDamping = 5.0, kMaxDamping = 1000.0, kMinWall_N_per_m = 500.0, kMaxWall_N_per_m = 100e3;
-constexpr double kScan = 1.25, kTolerance = 5e-3;  // ratio of a search's steps; relative tolerance of its end
-constexpr double kMaxMargin = 3.0;                 // gain margins are searched up to this factor
+// ratio between a search's steps; relative tolerance at which the search ends
+constexpr double kScan = 1.25, kTolerance = 5e-3;
+constexpr double kMaxMargin = 3.0;  // gain margins are searched up to this factor
 
-// The loop of a cell with an LBR, at the cell's start posture; without hand and wall.
+// The loop of a cell with an LBR at the cell's start posture, without hand and wall.
 OverlayLoopParams LoopOf(const config::CellConfig& cell) {
-  const config::LbrConfig* lbr = cell.robot.lbr();  // the impedance law needs FRI, which is an LBR's
+  // never null: the impedance law needs FRI, and an arm with FRI is an LBR
+  const config::LbrConfig* lbr = cell.robot.lbr();
   OverlayLoopParams loop{.chain = lbr->chain,
                          .arm = cell.simulated.dynamic,
                          .X_FT = cell.tool.X_FT,
@@ -43,7 +45,7 @@ OverlayLoopParams LoopOf(const config::CellConfig& cell) {
 OverlayLoopParams LoopWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
                            double gain) {
   OverlayLoopParams loop = t.loop;
-  // Scale all three axes, so that they keep the ratio of the cell's file.
+  // Scale the damping of all three axes, so that their ratio stays as in the cell's file.
   if (t.own_damping() > 0.0)
     loop.law.damping_Ns_per_m *= damping_Ns_per_m / t.own_damping();
   else
@@ -52,11 +54,11 @@ OverlayLoopParams LoopWith(const OverlayTuning& t, double damping_Ns_per_m, cons
   return loop;
 }
 
-// Largest additional delay of a command beyond the measured one [s].
+// Largest additional delay of a command beyond the measured delay [s].
 double MaxExtraDelay_s(const OverlayTuning& t) { return t.task.command_jitter * t.loop.period_s; }
 
-// Whether the loop is stable by the arm's model, and by the measured response if there is one. Hand and wall
-// are multiplied by `gain`, and every command is as late as the latest.
+// Whether the loop is stable with the arm's model, and with the measured response if there is one. Hand and
+// wall are multiplied by `gain`. Every command has the largest possible delay.
 bool IsStableWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::GridHand& hand,
                   const hil::LoopWall& wall, double gain) {
   OverlayLoopParams loop = LoopWith(t, damping_Ns_per_m, hand, gain);
@@ -68,8 +70,8 @@ bool IsStableWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::Gr
   return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, MaxExtraDelay_s(t));
 }
 
-// Whether the loop is stable with every hand, at a wall of this stiffness and free. False also if
-// interrupted.
+// Whether the loop is stable with every hand, both free and at a wall of this stiffness. False also after an
+// interrupt.
 bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
     return !base::Interrupted() &&
@@ -78,8 +80,8 @@ bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_pe
   });
 }
 
-// The largest stiffness of planes at the task's age that is stable with the recommended damping and every
-// hand, searched up to the task's.
+// The largest stiffness of contact planes at the task's age that is stable with the recommended damping and
+// every hand. The search ends at the task's own plane stiffness.
 double PlanesAt(const OverlayTuning& t) {
   const hil::LoopWall planes = WallOf(t.task, TuneContact::kPlanes, 1.0);
   return hil::FirstCrossing(
@@ -97,16 +99,16 @@ double PlanesAt(const OverlayTuning& t) {
       .value;
 }
 
-// The factor on hands and wall at which the loop first becomes unstable, searched from 1 to kMaxMargin.
-// 0: unstable at 1 already.
+// The largest factor on hands and wall, between 1 and kMaxMargin, up to which the loop is stable. 0: unstable
+// even at factor 1.
 double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
   return hil::FirstCrossing([&](double gain) { return StandsAll(t, damping_Ns_per_m, wall_N_per_m, gain); },
                             {.from = 1.0, .to = kMaxMargin, .factor = 1.1, .tolerance = kTolerance})
       .value;
 }
 
-// The least damping with which a wall is stable at gain 1 and at the margin; 0: none. The damping is scanned
-// upward, because too much damping is unstable by its own delay.
+// The least damping with which this wall is stable at gain 1 and at the task's margin; 0: none. The search
+// goes upward, because the loop's delay makes too much damping unstable as well.
 double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   const auto stands = [&](double damping) {
     return StandsAll(t, damping, wall_N_per_m, t.task.margin) && StandsAll(t, damping, wall_N_per_m, 1.0);
@@ -124,7 +126,7 @@ double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   return high;
 }
 
-// Finds the worst hand by the linear loop, then simulates the boundary with this hand.
+// Finds the worst hand with the linear loop, then simulates the boundary with this hand.
 OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
   OverlayBoundary boundary{.damping_Ns_per_m = damping_Ns_per_m, .predicted_N_per_m = kMaxWall_N_per_m};
   OverlayLoopParams loop;
@@ -153,7 +155,7 @@ OverlayBoundary BoundaryAt(const OverlayTuning& t, double damping_Ns_per_m) {
   return boundary;
 }
 
-// Simulates the recommended gains with every hand, free and at the recommended wall.
+// Simulates the recommended gains with every hand, both free and at the recommended wall.
 OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   struct Case {
     const hil::GridHand* hand;
@@ -181,7 +183,7 @@ OverlayCheck CheckInTime(const OverlayTuning& t, int threads) {
   return check;
 }
 
-// The loops with these gains and every hand, free and at the wall.
+// One case for each hand, both free and at the wall, with these gains.
 std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
   TuneTask task = t.task;
   task.wall_N_per_m = wall_N_per_m;
@@ -194,7 +196,8 @@ std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m
   return cases;
 }
 
-// Computes margins and Nyquist plot of the cell's own and of the recommended gains.
+// Judges the cell's own and the recommended gains by the measured response: computes their margins and the
+// Nyquist plot.
 void JudgeByResponse(OverlayTuning& t) {
   std::vector<OverlayCase> own = CasesOf(t, t.own_damping(), t.task.wall_N_per_m), recommended;
   if (t.Stands()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
@@ -209,8 +212,9 @@ void JudgeByResponse(OverlayTuning& t) {
   if (!named.empty()) t.nyquist_svg = NyquistSvg(named);
 }
 
-// Recommends the first of these that has the margin: the cell's own gains; the least damping for the cell's
-// own stiffness; the largest smaller stiffness for which there is a damping.
+// Recommends the first of these that has the task's margin:  1. the cell's own damping and stiffness,  2. the
+// cell's own stiffness with the least damping,  3. the largest smaller stiffness that some damping makes
+// stable, with the least damping.
 void Recommend(OverlayTuning& t) {
   if (t.own_margin >= t.task.margin && t.own_damping() > 0.0) {
     t.recommended_N_per_m = t.task.wall_N_per_m;
@@ -240,7 +244,8 @@ void UseIdentified(const config::IdentifiedCell& identified, const TuneOptions& 
     if (arm.axis == "z") t.along_tool_kg = *arm.felt_mass_kg;
     t.on_mount |= arm.impedance && arm.impedance->on_mount;
   }
-  // A measured dead time includes the jitter's mean; without a measured one, the jitter stays assumed.
+  // The measured dead time includes the mean of the jitter, so only the jitter beyond its mean is added.
+  // Without a measured dead time, the jitter stays assumed.
   if (identified.link && t.measured && !options.jitter_ms)
     t.task.command_jitter = JitterOf(*identified.link, t.loop.period_s);
   UseHands(identified, t.task);

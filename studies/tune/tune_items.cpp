@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-// Calls visit(name, number) for each number of a TuneCarried, which may be const.
+// Calls visit(name, number) for each number of a TuneCarried. Carried may be const.
 template <class Carried, class Visit>
 void VisitNumbers(Carried& c, const Visit& visit) {
   visit("stiffness_N_per_m", c.hand.stiffness_N_per_m);

@@ -6,7 +6,7 @@
 
 #include "studies/tune/tune_study.h"
 
-// Converts simulations in time to items of a part and back, exact to the bit. Reading throws
+// Converts the simulations in time to JSON items of a shard's part and back, exact to the bit. Reading throws
 // nlohmann::json::exception or std::invalid_argument if an item is damaged.
 
 namespace osteon::studies {
@@ -14,7 +14,7 @@ namespace osteon::studies {
 [[nodiscard]] nlohmann::json CheckItem(const TuneCheck& check);
 [[nodiscard]] TuneCheck CheckFrom(const nlohmann::json& item);
 
-/// The runs with stiff hands (CarryStiffHands).
+/// The simulated runs with stiff hands (CarryStiffHands) as one item.
 [[nodiscard]] nlohmann::json CarriedItem(const std::vector<TuneCarried>& carried);
 [[nodiscard]] std::vector<TuneCarried> CarriedFrom(const nlohmann::json& item);
 

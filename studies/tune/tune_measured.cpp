@@ -16,12 +16,13 @@
 namespace osteon::studies {
 namespace {
 
-constexpr std::size_t kTableRows = 5;  // for each of the own and the recommended gains
-constexpr double kAxisEnd = 2.0;       // the Nyquist plot's axes go from -kAxisEnd to kAxisEnd
+// number of margins in the table, for the own and for the recommended gains each
+constexpr std::size_t kTableRows = 5;
+constexpr double kAxisEnd = 2.0;  // the Nyquist plot's axes go from -kAxisEnd to kAxisEnd
 
-// The response by which gains are judged; null: none fits. If a structure resonates beyond the encoders, it
-// is one measured by the force sensor, otherwise one by the encoders. It has the arm's axis and the nearest
-// speed.
+// The response by which gains are judged; null: none fits. It is measured by the force sensor if a structural
+// resonance was found, which encoders do not see; otherwise by the encoders. It has the arm's axis and the
+// speed nearest to the arm's.
 const config::IdentifiedResponse* ResponseFor(const config::IdentifiedCell& identified,
                                               const config::IdentifiedArm& arm) {
   const config::IdentifiedResponse* best = nullptr;
@@ -45,8 +46,8 @@ std::vector<PlantLine> LinesOf(const config::IdentifiedResponse& response) {
   return lines;
 }
 
-// An arm for a cell whose responses no model fits well: it supplies the values below and above the measured
-// lines. Of several responses, the one with the greatest lag counts.
+// A rough arm for a cell whose responses no model fits well. It supplies the values below and above the
+// measured frequencies. If several responses can be fitted, the one with the largest lag is used.
 std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& identified, double period_s) {
   std::optional<config::IdentifiedArm> slowest;
   for (const config::IdentifiedResponse& response : identified.response) {
@@ -68,7 +69,8 @@ std::optional<config::IdentifiedArm> RoughArm(const config::IdentifiedCell& iden
   return slowest;
 }
 
-// Adds the hands with which the response was measured. The model matters only outside of the measured band.
+// Adds the hands that held the handle during a measurement, each with its measured loop. The model matters
+// only outside of the measured band.
 void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model, TuneTask& task) {
   for (const config::IdentifiedResponse& response : identified.response) {
     const auto hand = std::ranges::find(identified.hands, response.hand, &config::IdentifiedHand::name);
@@ -79,7 +81,7 @@ void UseHeldLoops(const config::IdentifiedCell& identified, ResponseModel model,
   }
 }
 
-// Gives the task its measured response, with the model that continues it outside of the measured band.
+// Gives the task its measured response. The model continues the response outside of the measured band.
 void UseResponse(const config::IdentifiedCell& identified, const config::IdentifiedArm& arm, TuneTask& task) {
   const config::IdentifiedResponse* found = ResponseFor(identified, arm);
   if (found == nullptr) return;
@@ -104,7 +106,7 @@ void UseResponse(const config::IdentifiedCell& identified, const config::Identif
 // The loop's parameters with these gains and this contact, whose wall is multiplied by `gain`.
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain) {
   MeasuredLoopParams params{.loop = task.loop, .sensor_delay_s = task.response_delay_s};
-  // every command is as late as the latest
+  // every command has the largest possible delay
   params.sensor_delay_s += task.command_jitter * task.loop.period_s;
   params.loop.mass_kg = gains.mass_kg;
   params.loop.damping_Ns_per_m = gains.damping_Ns_per_m;
@@ -116,7 +118,8 @@ MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneCont
 MeasuredLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, TuneContact contact, double gain,
                           const hil::GridHand& held) {
   MeasuredLoopParams params = LoopOf(task, gains, contact, gain);
-  params.sensor_delay_s = task.command_jitter * task.loop.period_s;  // the sensor's own is in the response
+  // the measured response includes the sensor's delay
+  params.sensor_delay_s = task.command_jitter * task.loop.period_s;
   params.loop.hand = {held.name, gain * held.stiffness_N_per_m, gain * held.damping_Ns_per_m,
                       gain * held.mass_kg};
   return params;
@@ -128,7 +131,7 @@ bool IsWorse(const TuneMargin& a, const TuneMargin& b) {
   return a.margins.modulus < b.margins.modulus;
 }
 
-// The margins of the gains with this name, the nearest to instability first.
+// The margins of the gains with this name, sorted from the nearest to instability to the farthest.
 std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins, const std::string& gains) {
   std::vector<const TuneMargin*> list;
   for (const TuneMargin& margin : margins)
@@ -137,7 +140,7 @@ std::vector<const TuneMargin*> WorstFirst(const std::vector<TuneMargin>& margins
   return list;
 }
 
-// The gain margin with its 95 % radius.
+// The gain margin as text, with the half-width of its 95 % interval.
 std::string GainText(const LoopMargins& m) {
   return std::isfinite(m.gain) ? fmt::format("{:.2f} ± {:.2f}", m.gain, m.gain_radius) : std::string("none");
 }
@@ -352,7 +355,7 @@ std::string TableOf(const std::vector<TuneMargin>& margins) {
 
 namespace {
 
-// The Nyquist curve of the loop that a margin was computed for.
+// The Nyquist curve of the loop to which a margin belongs.
 std::vector<NyquistPoint> CurveOf(const TuneTask& task, const TuneGains& gains, const TuneMargin& margin) {
   for (const HeldLoop& held : task.held)
     if (held.hand.name == margin.hand.name)

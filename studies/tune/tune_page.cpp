@@ -13,7 +13,7 @@
 namespace osteon::studies {
 namespace {
 
-// The page's pictures as SVG; empty: not drawn.
+// The page's pictures as SVG texts; an empty text: not drawn.
 struct Pictures {
   std::string map, width, trade, nyquist;
 };
@@ -84,7 +84,7 @@ std::string WhySafeText(const TuneResult& r, double margin) {
       t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, margin, arm);
 }
 
-// Says what to do next. @param own_stand  the cell's own gains have the margin
+// Says what to do next. @param own_stand  true: the cell's own gains have the requested margin
 std::string NextStepText(const TuneResult& r, bool own_stand) {
   const std::string cell = r.cell;
   if (!own_stand && !r.MayBeUsed())

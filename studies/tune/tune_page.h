@@ -11,13 +11,13 @@
 
 namespace osteon::studies {
 
-/// The verdict of a tuning in plain words: safe or not, which gains, why, what to do next, and then the
-/// reasons of Judge.
+/// The verdict of a tuning in plain words: whether the cell is safe, with which gains, why, what to do next,
+/// and last the reasons of Judge.
 [[nodiscard]] report::ReportVerdict PlainVerdict(const TuneResult& result);
 
-/// Writes gains.yaml into a folder. An empty text means that there are no gains to use: then the file of an
-/// earlier call is removed, since a user would take it for this call's. @returns an error that names the
-/// file.
+/// Writes gains.yaml into a folder. If the text is empty, there are no gains to use: then the file of an
+/// earlier call is removed, because a user would take it for the result of this call. @returns an error that
+/// names the file.
 [[nodiscard]] tl::expected<void, std::string> WriteGains(const std::filesystem::path& folder,
                                                          const std::string& yaml);
 

@@ -12,12 +12,12 @@
 namespace osteon::studies {
 namespace {
 
-// End of the map's colour scale: the decay rate above which a hand feels no oscillation.
+// End of the map's colour scale: motion that decays faster is not felt as oscillation.
 constexpr double kFastest_per_s = 8.0;
 constexpr const char* kPredictedColor = "#1b1f24";
 constexpr const char* kChosenColor = "#d55e00";
 
-// Draws one of the stiffnesses of a boundary over the damping. Zero (unstable without a wall) and the
+// Draws one stiffness of each boundary over the damping. A stiffness of 0 (unstable without a wall) and the
 // stiffest wall that was tried (no boundary found) give no point. @param unit  factor from N/m to the axis'
 // unit
 report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBoundary::*stiffness,
@@ -36,7 +36,8 @@ report::Series Curve(const std::vector<TuneBoundary>& boundaries, double TuneBou
   return series;
 }
 
-// Marks dampings at which even the stiffest wall that was tried is stable: a lower bound, not a measurement.
+// Marks the dampings at which even the stiffest wall that was tried is stable. Each mark is a lower bound of
+// the boundary.
 report::Series LowerBoundMarks(const std::vector<TuneBoundary>& boundaries, double max_N_per_m,
                                const std::string& color) {
   report::Series series{.color = color, .width_px = 0.0, .marker = report::Marker::kOpenUp};
@@ -53,7 +54,7 @@ report::Series LegendOnly(const std::string& name, report::Marker marker) {
   return {.name = name, .color = report::kMutedColor, .width_px = 0.0, .marker = marker};
 }
 
-// Whether the gains agree within 0.5 %.
+// Whether mass and damping agree within 0.5 %.
 bool SameGains(const TuneGains& a, double mass_kg, double damping_Ns_per_m) {
   return std::abs(a.mass_kg - mass_kg) < 0.005 * mass_kg &&
          std::abs(a.damping_Ns_per_m - damping_Ns_per_m) < 0.005 * damping_Ns_per_m;

@@ -13,7 +13,7 @@
 namespace osteon::studies {
 namespace {
 
-// Mass and drag as text.
+// Mass and drag of these gains as text.
 std::string MassAndDragText(const TuneGains& gains) {
   return fmt::format("{:.3g} kg, {:.0f} N s/m", gains.mass_kg, gains.damping_Ns_per_m);
 }
@@ -39,7 +39,7 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
   return list;
 }
 
-// An oscillation that remains between 5 and 40 Hz is bad above this force, and a warning below it.
+// Force between 5 and 40 Hz. An oscillation that remains above it is bad; below it, a warning.
 constexpr double kShaken_N = 5.0;
 
 // Adds a reason if a stiff hand keeps oscillating although the vibration index acts.
@@ -126,8 +126,8 @@ session::Verdict Judge(const TuneResult& r) {
 
 namespace {
 
-// Says which part of the dead time is the sensor's: the part of its measured delay beyond the whole ticks of
-// the loop's sensor_delay. Empty if there is none.
+// Says which part of the dead time belongs to the sensor: the part of the sensor's measured delay that
+// exceeds the whole ticks of the loop's sensor_delay. Empty if there is no such part.
 std::string SensorPart(const TuneTask& t) {
   if (!t.identified || !t.identified->sensor || !t.identified->sensor->delay_s) return "";
   const double part_s = *t.identified->sensor->delay_s - t.loop.sensor_delay * t.loop.period_s;

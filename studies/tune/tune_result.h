@@ -10,22 +10,24 @@
 #include "studies/tune/tune_measured.h"
 #include "studies/tune/tune_study.h"
 
-// The result of `osteon tune` and its forms: rows, JSON, CSV, pictures, an overlay for the cell.
+// The result of `osteon tune`, and its output: rows, JSON, CSV, pictures, and a gains file for the cell.
 
 namespace osteon::studies {
 
-/// The least drag that is stable with one virtual mass and every hand at the margin; infinite if no drag is.
+/// For one virtual mass: the least drag that is stable with every hand at the requested margin; infinite if
+/// no drag is.
 struct TuneTrade {
   double mass_kg{0.0};
   double human_Ns_per_m{0.0}, stiffest_Ns_per_m{0.0};
 };
 
-/// Decay rates over damping (columns) and wall stiffness (rows), both evenly spaced in the logarithm.
+/// Decay rates of the loop's motion over damping (columns) and wall stiffness (rows). Both are evenly spaced
+/// in the logarithm.
 struct TuneMap {
   std::string title;
   double damping_from{5.0}, damping_to{500.0}, wall_from{1e3}, wall_to{1e6};
   int dampings{0}, walls{0};
-  std::vector<double> decay_per_s;  ///< a row for each wall, with a value for each damping
+  std::vector<double> decay_per_s;  ///< one row for each wall, with one value for each damping
 };
 
 /// A cell's task and all results for it.
@@ -35,31 +37,36 @@ struct TuneResult {
   double max_wall_N_per_m{1e6};
   std::vector<hil::GridHand> human_hands, stiffest_hands;
   std::vector<TuneTrade> trade;
-  TuneGains recommended;  ///< mass 0: no gains are stable with all hands and contacts
+  TuneGains recommended;  ///< recommended gains; mass 0: no gains are stable with all hands and contacts
   double recommended_margin{0.0};
-  double own_margin{0.0};  ///< of the cell's own gains
-  TuneGains within_bar;    ///< the gains with the greatest margin among those that count as light
+  double own_margin{0.0};  ///< gain margin of the cell's own gains
+  TuneGains within_bar;    ///< the gains with the largest margin among those that count as light
   double within_bar_margin{0.0};
-  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};  ///< drag for stiffest grip and clamp, recommended mass
-  double age_bound_Ns_per_m{0.0};  ///< drag that suffices for the planes' age: largest age × stiffness
-  std::vector<TuneBoundary> human, stiffest, firm;  ///< for each set of hands, at the recommended mass
+  /// least drag that is stable at the recommended mass, with the stiffest grip and with a clamp
+  double stiffest_Ns_per_m{0.0}, clamp_Ns_per_m{0.0};
+  double age_bound_Ns_per_m{0.0};  ///< sufficient drag in view of the planes' age: largest age × stiffness
+  /// boundaries for each set of hands, at the recommended mass
+  std::vector<TuneBoundary> human, stiffest, firm;
   std::vector<TuneMap> maps;
   TuneCheck check;
-  std::vector<TuneCarried> carried;     ///< hands that depend on the vibration index
-  double human_index{0.0};              ///< the greatest index that a hand within the human grip raises
-  std::optional<GuidanceMap> guidance;  ///< of a plan
-  std::vector<TuneMargin> margins;      ///< by the measured response; empty: none was measured
-  int found{0}, computed{0};            ///< numbers of results from the cache, and of new ones
+  /// one simulated run with the vibration index for each hand stiffer than the human grip
+  std::vector<TuneCarried> carried;
+  /// the largest vibration index that a hand within the human grip causes
+  double human_index{0.0};
+  std::optional<GuidanceMap> guidance;  ///< of the plan, if one is given
+  std::vector<TuneMargin> margins;      ///< margins by the measured response; empty: none was measured
+  /// number of results read from the cache, and number of results computed
+  int found{0}, computed{0};
 
   [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
-  /// Whether the recommended gains may be used: they are stable by the measured response, and in the
+  /// Whether the recommended gains may be used: they must be stable with the measured response and in the
   /// simulations in time.
   [[nodiscard]] bool MayBeUsed() const;
-  /// Whether the cell's own gains have the margin, by the measured response as well.
+  /// Whether the cell's own gains have the requested margin, also by the measured response.
   [[nodiscard]] bool OwnStand() const;
-  /// The worst of the hands that the index stabilises; null if there are none.
+  /// The run that keeps oscillating most among the runs with the vibration index; null if there are none.
   [[nodiscard]] const TuneCarried* WorstCarried() const;
-  /// Whether the recommended tool counts as light.
+  /// Whether the recommended gains count as light: mass and drag are within the task's limits.
   [[nodiscard]] bool WithinBar() const {
     return Stands() && recommended.mass_kg <= task.max_mass_kg &&
            recommended.damping_Ns_per_m <= task.max_drag_Ns_per_m;
@@ -67,23 +74,23 @@ struct TuneResult {
 };
 
 /// Bad if a plan's guidance is beyond half of its boundary, if no gains are stable with the requested margin,
-/// if the motion grew in a simulation, or if a stiff hand keeps oscillating. A warning if the cell's
-/// own gains are stable only with less margin, if the tool is not light, or if hands depend on a vibration
-/// index that does not act.
+/// if the motion grew in a simulation, or if a stiff hand keeps oscillating. A warning if the cell's own
+/// gains have less than the requested margin, if the tool is not light, or if hands need a vibration index
+/// that is switched off in the cell.
 [[nodiscard]] session::Verdict Judge(const TuneResult& result);
 
-/// The result as rows for terminal and page.
+/// The result as rows for the terminal and the HTML page.
 [[nodiscard]] std::vector<report::SummaryRow> Rows(const TuneResult& result);
 /// JSON, schema osteon.tune/1.
 [[nodiscard]] std::string ToJson(const TuneResult& result, const std::string& command_line);
-/// The boundaries as CSV, one damping per line.
+/// The boundaries as CSV, one line for each damping.
 [[nodiscard]] std::string BoundaryCsv(const TuneResult& result);
-/// The hands that the index stabilises, as rows of an HTML table.
+/// The runs with the vibration index (hands stiffer than the human grip), as rows of an HTML table.
 [[nodiscard]] std::string CarriedTable(const TuneResult& result);
 /// A gains file for `osteon run --gains`. @pre result.MayBeUsed()
 [[nodiscard]] std::string GainsYaml(const TuneResult& result, const std::string& command_line);
 
-/// Draws the decay rate over drag and wall, a panel for each set of hands.
+/// Draws the decay rate over drag and wall stiffness, one panel for each set of hands.
 [[nodiscard]] std::string MapSvg(const TuneResult& result);
 /// Draws the stiffest stable wall over the drag, predicted and simulated.
 [[nodiscard]] std::string WidthSvg(const TuneResult& result);

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kMaxDrag_Ns_per_m = 3000.0;  // largest drag that is tried
 constexpr double kMinWall_N_per_m = 100.0;    // softest wall that is tried
-// Runs with the vibration index: the tool's speed when a stiff hand closes its grip, the sensor's noise, and
-// the length of a stiff hand's run.
+// Figures of the runs with the vibration index: the tool's speed when a stiff hand closes its grip, the
+// sensor's noise, and the length of a stiff hand's run.
 constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
-// A stiff hand is calm below kEnlarged times the tremor that the index permits, or below kCalm_N if that is
-// more.
+// A run with a stiff hand counts as calm if its force between 5 and 40 Hz stays below kEnlarged times the
+// tremor that the index permits, or below kCalm_N if that is larger.
 constexpr double kCalm_N = 0.5, kEnlarged = 2.2;
 
 // The task's largest age of a contact model, rounded up to whole ticks.
@@ -26,7 +26,8 @@ int WorstAge(const TuneTask& task) {
   return static_cast<int>(std::ceil(task.worst_age_s / task.loop.period_s - 1e-9));
 }
 
-// The task's loop with these gains, and a hand that is multiplied by `gain`; without a wall.
+// The task's loop with these gains, and with a hand whose stiffness, damping and mass are multiplied by
+// `gain`; without a wall.
 hil::AdmittanceLoopParams LoopOf(const TuneTask& task, const TuneGains& gains, const hil::GridHand& hand,
                                  double gain) {
   hil::AdmittanceLoopParams loop = task.loop;
@@ -48,8 +49,8 @@ AdmittanceRunParams WithIndex(const TuneTask& task, const TuneGains& gains, cons
   return run;
 }
 
-// Dead time with the latest command [periods]. Lost commands are only simulated: a matrix has no chance
-// events.
+// Dead time [periods] if a command has its largest delay. Lost commands are only simulated, because the
+// linear analysis has no random events.
 double LatestDeadCycles(const TuneTask& task) { return task.loop.arm.dead_cycles + task.command_jitter; }
 
 }  // namespace
@@ -86,7 +87,7 @@ std::vector<hil::GridHand> HandsUpTo(double stiffness_N_per_m) {
   std::vector<hil::GridHand> hands = hil::HandGrid();
   std::erase_if(hands, [&](const hil::GridHand& hand) { return hand.stiffness_N_per_m > stiffness_N_per_m; });
   hands.push_back({fmt::format("{:g} N/m, firm", stiffness_N_per_m), stiffness_N_per_m, 20.0, 1.5});
-  // test the decisive hands first, so that an unstable loop is found early
+  // the stiffest hands come first, because they are the most likely to be unstable: the test then ends early
   std::ranges::stable_sort(hands, std::ranges::greater{}, &hil::GridHand::stiffness_N_per_m);
   return hands;
 }
@@ -123,8 +124,8 @@ double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vecto
 }
 
 double MinDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::GridHand>& hands) {
-  // searches upward in 1 / drag, that is from the largest drag down: the first crossing ends the range of
-  // drags that are stable without a gap
+  // searches upward in 1 / drag, thus from the largest drag down: the first crossing is the lower end of the
+  // range of drags that are all stable
   const hil::Boundary found = hil::FirstCrossing(
       [&](double inverse) {
         return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
@@ -149,7 +150,8 @@ TuneBoundary BoundaryAt(const TuneTask& task, const TuneGains& gains, const std:
   }
 
   AdmittanceRunParams run{.loop = LoopOf(task, gains, hands[boundary.hand], 1.0)};
-  // the simulated boundary, searched from min_share to 1.6 of the predicted one; 0: unstable without a wall
+  // the simulated boundary, searched from min_share to 1.6 times the predicted boundary; 0: unstable without
+  // a wall
   const auto simulated = [&](double min_share) {
     if (SimulatedGrowth(run) >= 0.0) return 0.0;
     const double center = std::max(boundary.predicted_N_per_m, 10.0 * kMinWall_N_per_m);

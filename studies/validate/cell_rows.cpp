@@ -19,7 +19,7 @@ void AddAll(const std::vector<std::string>& more, std::vector<std::string>& to) 
   to.insert(to.end(), more.begin(), more.end());
 }
 
-// Makes the bone coarse and the run short, as in the tests, if `quick`.
+// If `quick`, makes the bone coarse and the run short, as in the tests.
 CellTrialParams ShortenedIfQuick(CellTrialParams cell, bool quick) {
   if (!quick) return cell;
   cell.seconds = 3.0;
@@ -38,8 +38,8 @@ CellTrialParams ShortenedIfQuick(CellTrialParams cell, bool quick) {
   return cell;
 }
 
-// An acetabulum of foam only, since its epoxy shell is reamed away. The run takes twice the demo's time, so
-// that the head is also seated in the denser foam.
+// A cell with an acetabulum of foam only. It has no epoxy shell, because the measured reamer has cut the
+// shell away. The run takes twice the demo's time, so that the head is seated in the denser foam as well.
 CellTrialParams FoamCup(const std::string& foam, bool quick, std::vector<std::string> set) {
   AddAll({"scene.shape.cartilage_mm=0", "scene.shape.subchondral_mm=0"}, set);
   CellTrialParams cell = ShortenedIfQuick(
@@ -49,13 +49,13 @@ CellTrialParams FoamCup(const std::string& foam, bool quick, std::vector<std::st
   return cell;
 }
 
-// The overrides that make the demo's hand use a technique.
+// The overrides that make the demo's hand use this technique.
 std::vector<std::string> TechniqueSet(Technique technique) {
   if (technique == Technique::kStraight) return {"script.tilt_deg=0"};
   return {};
 }
 
-// Diameter of the cavity of a run that ended in order, with its head seated [mm].
+// Diameter [mm] of the cavity after a run that ended without a fault and with its head seated.
 double DiameterOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   const CellTrial& trial = lab.Cell(cell);
   if (!trial.fit) throw std::runtime_error("no cavity: " + trial.fit_refused);
@@ -70,7 +70,7 @@ double ErrorOf_mm(ValidationLab& lab, const CellTrialParams& cell) {
   return std::abs(DiameterOf_mm(lab, cell) - 1e3 * kReamer_m);
 }
 
-// Changes a cell so that one of its parts gives way.
+// A function that changes a cell so that one of its parts yields.
 using Change = CellTrialParams (*)(CellTrialParams);
 
 CellTrialParams Rigid(CellTrialParams cell) { return cell; }
@@ -82,7 +82,8 @@ CellTrialParams Yielding(CellTrialParams cell) {
   cell.set.emplace_back("compliance.layer=on");
   return cell;
 }
-// Changes the demo to pelvis_mount: its bone is on a mount, and the depth limit rides on the bone.
+// Replaces the demo by the cell pelvis_mount: there the bone is on an elastic mount, and the depth limit
+// moves with the bone.
 CellTrialParams OnMount(CellTrialParams cell) {
   if (cell.cell != "demo")
     throw std::invalid_argument("a mount: found cell " + cell.cell + ", accepted demo");
@@ -90,7 +91,7 @@ CellTrialParams OnMount(CellTrialParams cell) {
   return cell;
 }
 
-// A part, and the change of a cell that makes it give way.
+// A part, and the function that makes this part of a cell yield.
 struct PartChange {
   CompliantPart part;
   Change change;
@@ -98,7 +99,8 @@ struct PartChange {
 constexpr PartChange kBending{CompliantPart::kTool, Bending}, kYielding{CompliantPart::kLayer, Yielding},
     kOnMount{CompliantPart::kMount, OnMount};
 
-// A row's quantity with each part that gives way. A variant without a result does not affect the row's value.
+// A row's quantity, simulated once with each part that yields. A variant without a result does not affect the
+// row's value.
 std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
                                         const std::function<double(Change)>& simulate) {
   std::vector<ComplianceVariant> variants;
@@ -114,13 +116,13 @@ std::vector<ComplianceVariant> Variants(const std::vector<PartChange>& parts,
   return variants;
 }
 
-// ErrorOf_mm, mean over both densities of foam.
+// Mean of ErrorOf_mm over both densities of foam.
 double MeanError_mm(ValidationLab& lab, const std::vector<std::string>& set, Change change = Rigid) {
   return 0.5 * (ErrorOf_mm(lab, change(FoamCup("foam_10", lab.quick(), set))) +
                 ErrorOf_mm(lab, change(FoamCup("foam_20", lab.quick(), set))));
 }
 
-// Overrides for ablations: a hand whose tremor is the largest of the shipped sweep, and an arm with masses,
+// Overrides for two ablations: a hand with the largest tremor of the shipped sweep, and an arm with masses,
 // friction and a flexible mount.
 const std::vector<std::string> kTremor{"operator.tremor_N=4"};
 const std::vector<std::string> kDynamic{"simulated_arm.level=dynamic"};
@@ -136,13 +138,13 @@ std::vector<std::string> WideSet() {
           "depth_limit.at_mm=[620, 0, 160]"};
 }
 
-// How the rows of a cavity's diameter are simulated, as text for the page.
+// How the cavity's diameter is simulated in its rows, as text for the page.
 constexpr const char* kCellHow =
     "cell demo in virtual time: arm, hand and servo loop, CPU engine; sphere fitted to the cut balls";
 
 CellTrialParams DemoCell(bool quick) { return ShortenedIfQuick({}, quick); }
 
-// A figure of the demo's own run in bone.
+// One figure of the demo's own run in bone.
 Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
   lab.Prepare(DemoCells(lab.quick()));
   const auto simulate = [&](Change change) { return figure(lab.Cell(change(DemoCell(lab.quick())))); };
@@ -153,13 +155,14 @@ Simulated OfDemo(ValidationLab& lab, double (*figure)(const CellTrial&)) {
           .compliance = Variants({kBending, kYielding, kOnMount}, simulate)};
 }
 
-// Returns the trial. Throws if its hand never pressed in full, so that its feed and force are not known.
+// Returns the trial. Throws if its hand never pressed in full, because feed and force are then not known.
 const CellTrial& PressedInFull(const CellTrial& trial) {
   if (trial.pressed_s == 0.0) throw std::runtime_error("the hand never pressed in full");
   return trial;
 }
 
-// A cell whose script pushes and approaches with these forces; with its own forces if push_N is empty.
+// A cell whose script pushes and approaches with these forces. If push_N is empty, the script keeps its own
+// forces.
 CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N, const char* approach_N) {
   CellTrialParams trial{.cell = cell};
   if (!push_N.empty())
@@ -167,8 +170,8 @@ CellTrialParams Pressing(const char* cell, bool quick, const std::string& push_N
   return ShortenedIfQuick(std::move(trial), quick);
 }
 
-// The greatest force of a shipped script's hand; the ablation uses the published force. @param cells  as
-// PressingCells returns them
+// The largest force of the hand with the shipped script. The ablation uses the published force. @param cells
+// in the order of PressingCells
 Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& cells,
                       const std::string& published) {
   const CellTrial &shipped = lab.Cell(cells[0]), &gentle = lab.Cell(cells[1]);
@@ -182,7 +185,7 @@ Simulated ScriptForce(ValidationLab& lab, const std::vector<CellTrialParams>& ce
               Variants({kBending}, [&](Change change) { return lab.Cell(change(cells[0])).peak_hand_N; })};
 }
 
-// The cell with its own script, with the published force, and with a tool that bends.
+// Three cells: with its own script, with the published force, and with a tool that bends.
 std::vector<CellTrialParams> PressingCells(const char* cell, bool quick, const std::string& published_N,
                                            const char* approach_N) {
   const CellTrialParams shipped = Pressing(cell, quick, "", "");

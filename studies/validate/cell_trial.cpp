@@ -24,12 +24,11 @@
 namespace osteon::studies {
 namespace {
 
-// The hand presses in full if its force is at least this share of the script's push.
+// The hand presses in full if its force is at least this share of the script's push force.
 constexpr double kFullShare = 0.95;
 
-// Replaces the figures of tissues of the scene by those of materials of sawbone.yaml; a tissue keeps its
-// name.
-// @returns an error that names the material or tissue that is missing
+// Gives tissues of the scene the figures of materials in sawbone.yaml. A tissue keeps its name.
+// @returns an error that names the missing material or tissue
 tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& config_root,
                                                const std::vector<TissueFigures>& tissues,
                                                simulation::SceneParams& scene) {
@@ -49,7 +48,8 @@ tl::expected<void, std::string> ReplaceTissues(const std::filesystem::path& conf
   return {};
 }
 
-// Feed per turn and force difference while the hand presses in full, from the ticks of a run.
+// Feed per turn, and difference between hand and rendered force, from the ticks in which the hand presses in
+// full.
 class PressFigures {
  public:
   explicit PressFigures(const session::CellSetup& setup)
@@ -87,12 +87,13 @@ class PressFigures {
   double push_N_, period_s_;
   bool was_full_{false};
   double last_height_m_{0.0};
-  double feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};  // sums over the ticks in which the hand presses
-  std::int64_t ticks_{0};                                   // number of these ticks
+  // sums over the ticks in which the hand presses in full
+  double feed_m_{0.0}, turned_rad_{0.0}, difference_{0.0};
+  std::int64_t ticks_{0};  // number of these ticks
 };
 
-// Fits a sphere to the balls that were cut, and compares it with the planned cup. Without a fit, fit_refused
-// says why.
+// Fits a sphere to the balls that were cut, and compares it with the planned cup. If the fit fails,
+// fit_refused says why.
 void FitCavity(const session::CellSetup& setup, const simulation::CarvedState& after, CellTrial& trial) {
   const simulation::ToolBall* head = simulation::CuttingHead(setup.config.tool.tool);
   if (head == nullptr || setup.config.scene.zone.kind != simulation::ZoneParams::Kind::kCup) {
@@ -122,7 +123,7 @@ tl::expected<session::CellSetup, std::string> SetUp(const std::filesystem::path&
   if (!setup) return setup;
   if (auto replaced = ReplaceTissues(config_root, params.tissues, setup->config.scene); !replaced)
     return tl::make_unexpected(replaced.error());
-  // Uses only the closed forms, whose results are the same on every machine.
+  // Pack with closed forms only, because their results are the same on every machine.
   if (const auto packed = session::PackCell(
           *setup, {.as_packed = params.as_packed, .error_m = params.error_m, .rate_hz = {}}, {}, false);
       !packed)

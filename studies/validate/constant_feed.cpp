@@ -20,7 +20,8 @@ constexpr double kMachine_N_per_m = 1e6;  // stiffness of the machine
 constexpr double kNoBound_N = 1e5;        // a force limit that no drill reaches
 constexpr double kClear_m = 0.2e-3;       // distance between tip and surface at the start
 
-// Throws std::invalid_argument unless there are steps with a positive feed and rising depths in the block.
+// Throws std::invalid_argument unless there is at least one step, every feed is positive, and the depths rise
+// and stay within the block.
 void ValidateSteps(const ConstantFeedParams& params) {
   double depth_m = 0.0;
   for (const FeedStep& step : params.steps) {
@@ -35,7 +36,7 @@ void ValidateSteps(const ConstantFeedParams& params) {
     throw std::invalid_argument("constant feed: found no step, accepted one at least");
 }
 
-// A block of the material around the drill's path, packed as the shipped plate is.
+// A block of the material around the drill's path. It is packed like the shipped plate.
 simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
   simulation::SceneParams scene = config::LoadScene(params.config_root / "scenes" / "thin_plate.yaml");
   const double width_m = 3.0 * params.diameter_m;
@@ -54,22 +55,22 @@ simulation::Bone MakeFeedBlock(const ConstantFeedParams& params) {
   return simulation::PackScene(simulation::MakeSceneSolid(scene), scene);
 }
 
-// Sums over the frames of the second half of the last section. way_m: length of the feed.
+// Sums over the frames in the second half of the last section. way_m: distance that the drill is fed.
 struct Sums {
   double thrust_N{0.0}, torque_Nm{0.0}, way_m{0.0}, removed_m3{0.0}, work_J{0.0}, bend_m{0.0};
   int frames{0};
 };
 
-// A drill that may bend: the frame E of its point follows the wrench on the point, in the chuck's frame T,
-// with a time constant. Without bending, E is T.
+// A drill that may bend. T is the frame of the chuck, E the frame of the drill's point. E is displaced by the
+// wrench on the point, with a time constant. Without bending, E equals T.
 class BentPoint {
  public:
   BentPoint(const config::ToolConfig& drill, bool bends) {
     if (!bends) return;
     if (!drill.bending) throw std::invalid_argument("constant feed: found a drill without `bending`");
     compliance_T_ = drill.bending->compliance.C_T;
-    // rule 1 of a cell's compliance: T K c / tau is at most a half, with the period T, the machine's
-    // stiffness K and the drill's compliance c
+    // rule 1 for a cell's compliance: T K c / tau is at most a half, with the period T, the machine's
+    // stiffness K, the drill's compliance c and the time constant tau
     const double softest_m_per_N = compliance_T_.diagonal().head<3>().maxCoeff();
     tau_s_ = std::max(drill.bending->relaxation_s, 2.0 * kPeriod_s * kMachine_N_per_m * softest_m_per_N);
   }
@@ -88,7 +89,8 @@ class BentPoint {
  private:
   control::Matrix6 compliance_T_{control::Matrix6::Zero()};
   double tau_s_{0.0};
-  control::Vector6 e_{control::Vector6::Zero()};  // displacement and rotation of E, in T
+  // displacement and rotation of the drill's point (frame E) relative to T
+  control::Vector6 e_{control::Vector6::Zero()};
 };
 
 }  // namespace

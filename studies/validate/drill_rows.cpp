@@ -14,7 +14,7 @@ namespace {
 constexpr double kFeed_m_per_s = 0.120 / 60.0;  // 120 mm/min
 constexpr int kLips = 2;                        // number of lips of a twist drill
 constexpr double kRadius_m = 0.0016;            // radius of MacAvelia's drill
-// Volume that the drill removes in a second.
+// Volume that the drill removes per second.
 constexpr double kRate_m3_per_s = std::numbers::pi * kRadius_m * kRadius_m * kFeed_m_per_s;
 
 constexpr const char* kWithoutEdge = "without the edges' own force";
@@ -23,7 +23,8 @@ constexpr const char* kWithoutEdge = "without the edges' own force";
 std::vector<std::string> ConstantsOf(const std::string& material) {
   return {material + ".cutting_energy", material + ".cutting_force_ratio", material + ".edge_force"};
 }
-// The constants on which a ratio of two forces depends: the ratio varies with edge force over cutting energy.
+// The constants of a material on which a ratio of two forces depends. The ratio changes with the quotient of
+// edge force and cutting energy.
 std::vector<std::string> RatioConstants(const std::string& material) {
   return {material + ".cutting_energy", material + ".edge_force"};
 }
@@ -37,7 +38,7 @@ struct DrillRun {
   bool bends{false};
 };
 
-// Returns the result of a drill run in a material, which may differ from the shipped ones.
+// Returns the result of a drill run in this material, which may differ from the shipped materials.
 const ConstantFeedResult& Drilled(ValidationLab& lab, const simulation::Material& material,
                                   const DrillRun& run) {
   return lab.Drill({.config_root = {},
@@ -57,15 +58,15 @@ std::string HowDrilled(const std::string& material) {
   return fmt::format("twist_drill.yaml at constant feed into a block of {}, CPU engine, 1 kHz", material);
 }
 
-// A row's only variant: its value with a tool that bends.
+// The only variant of a row with a drill: its value with a tool that bends.
 std::vector<ComplianceVariant> WithBending(double simulated) {
   return {{.part = CompliantPart::kTool, .simulated = simulated}};
 }
 
 using Figure = double ConstantFeedResult::*;
 
-// Ratio of a figure at 1500 rpm to that at 1000 rpm, at the same feed per second; an ablation has the same
-// feed per turn.
+// Ratio of a figure at 1500 rpm to the figure at 1000 rpm. Both runs have the same feed per second; an
+// ablation has the same feed per turn.
 Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure figure, double diameter_m) {
   const auto at = [&](double rpm, double feed_m_per_s, bool edge_force, bool bends = false) {
     return Drilled(lab, material,
@@ -90,11 +91,11 @@ Simulated SpeedRatio(ValidationLab& lab, const std::string& material, Figure fig
       .compliance = WithBending(at(1500, kFeed_m_per_s, true, true) / at(1000, kFeed_m_per_s, true, true))};
 }
 
-// Converts the depth of cut of one lip to the feed [m/s].
+// Converts a lip's depth of cut to the drill's feed [m/s].
 double FeedOf(double depth_of_cut_m, double rpm) { return depth_of_cut_m * kLips * rpm / 60.0; }
 
-// Thrust [N] in cortical bone at a depth of cut: the drill is fed fast until the whole point is in the bone,
-// then with the feed of this depth of cut.
+// Thrust [N] in cortical bone at this depth of cut. A fast feed brings the whole point of the drill into the
+// bone, then the feed follows from the depth of cut.
 double ThrustAt(ValidationLab& lab, double depth_of_cut_m, double rpm, bool edge_force = true) {
   const double point_in_m = 0.0022, way_m = lab.quick() ? 0.0002 : 0.0004;
   return lab
@@ -108,12 +109,13 @@ double ThrustAt(ValidationLab& lab, double depth_of_cut_m, double rpm, bool edge
       .thrust_N;
 }
 
-// Cortical bone whose constants follow from MacAvelia's figures at 1000 rpm alone, unlike in any shipped
-// file: nothing is then fitted to the thrusts at 1250 and 1500 rpm.
+// Cortical bone whose constants follow from MacAvelia's figures at 1000 rpm alone, unlike in the shipped
+// files. Nothing is then fitted to the thrusts at 1250 and 1500 rpm.
 simulation::Material FittedAtOneSpeed(ValidationLab& lab) {
   constexpr double kTorque_Nm = 0.1863, kThrust_N = 198.4;
   simulation::Material bone = lab.MaterialOf("cortical");
-  // The thickness at which chip and edge take the same force stays, as it is that of James's saw (14-depth).
+  // At this depth of cut, the forces of chip and edge are equal. It stays as shipped, because it comes from
+  // James's saw (14-depth).
   const double chip_energy =
       bone.specific_cutting_energy_J_per_m3 - bone.edge_force_N_per_m / bone.measured_chip_m;
   const double edge_depth_m = bone.edge_force_N_per_m / chip_energy;
@@ -129,8 +131,9 @@ simulation::Material FittedAtOneSpeed(ValidationLab& lab) {
 
 constexpr const char* kShellByTorque = "shell.cutting_energy of the torque alone";
 
-// The shell with a cutting energy from Sawbones' torques (row 10) alone. The shipped energy cannot be used to
-// judge the thrusts of row 9, which changed it by 2 %. The edge's force is scaled with the energy.
+// The epoxy shell with a cutting energy that follows from Sawbones' torques (row 10) alone. The shipped
+// energy was fitted to the thrusts of row 9 as well (a change of 2 %), so it cannot be used to judge them.
+// The edge force is scaled with the energy.
 simulation::Material ShellByTorque(ValidationLab& lab) {
   double energy_J_per_m3 = 0.0;
   for (const auto& [rpm, torque_Nm] :
@@ -195,7 +198,7 @@ Simulated SawboneOverCortex(ValidationLab& lab) {
   const double cortex_N = Drilled(lab, "cortical", {}).thrust_N;
   const simulation::Material shell = ShellByTorque(lab);
   simulation::Material own_ratio = shell;
-  // the ratio that torque and thrust of Sawbones themselves would give, instead of human cortex's
+  // the cutting force ratio from the torque and thrust of Sawbones, instead of that of human cortex
   own_ratio.cutting_force_ratio = 0.0672 / (87.2 * 2.0 / 3.0 * 0.0016);
   own_ratio.name = "shell with its own force ratio";
   const double own_N = Drilled(lab, own_ratio, {}).thrust_N;

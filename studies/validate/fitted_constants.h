@@ -8,7 +8,7 @@
 
 #include "simulation/bone/material.h"
 
-// Which constant of the cutting model was fitted to which measurement.
+// Constants of the cutting model that were fitted to measurements, with the measurements.
 
 namespace osteon::studies {
 
@@ -29,20 +29,20 @@ struct FittedConstant {
   std::string_view material;
   CutConstant constant{CutConstant::kCuttingEnergy};
   double value{0.0};                        ///< SI, as in the file
-  std::string_view how;                     ///< how the value follows from the measurements
-  std::vector<std::string_view> fitted_to;  ///< ids of measurements
-  /// Ids of measurements that change the value by less than `minor_share` of it.
+  std::string_view how;                     ///< derivation of the value from the measurements
+  std::vector<std::string_view> fitted_to;  ///< ids of the measurements
+  /// Ids of measurements that also influence the value, but by less than `minor_share` of it.
   std::vector<std::string_view> minor{};
   double minor_share{0.0};
 
-  /// "shell.cutting_energy"
+  /// The constant's name, as in "shell.cutting_energy".
   [[nodiscard]] std::string name() const;
 };
 
-/// All fitted constants of the shipped materials.
+/// All constants of the shipped materials that were fitted to measurements.
 [[nodiscard]] std::span<const FittedConstant> FittedConstants();
 
-/// Whether one of these constants (by name()) was fitted to the measurement.
+/// Whether one of these constants, given by name(), was fitted to the measurement with this id.
 [[nodiscard]] bool IsFittedTo(std::span<const std::string> constants, std::string_view measurement);
 
 }  // namespace osteon::studies

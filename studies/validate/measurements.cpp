@@ -7,8 +7,8 @@
 namespace osteon::studies {
 namespace {
 
-// Texts that several rows share: sources, conditions, origins of the spread, and what a simulation leaves
-// out.
+// Texts that several rows share: sources, conditions, origins of the spread, and effects that a simulation
+// leaves out.
 constexpr std::string_view kKaria = "Karia 2023, PMC10408067";
 constexpr std::string_view kKariaBones =
     "80 composite bones, half of them of high density; laser scan; an unused conventional reamer";
@@ -33,7 +33,8 @@ constexpr std::string_view kCavityLeavesOut =
     "it "
     "stand a reamer that bends and a bone on a mount";
 
-// Standard deviations relative to the value: 198.4 ± 14.2 N gives 7.16 %, a ratio of two such values 10.1 %.
+// Standard deviations relative to the value: 198.4 ± 14.2 N gives 7.16 %, and a ratio of two such values 10.1
+// %.
 constexpr double kSd = 14.2 / 198.4, kRatioSd = 1.4142135623730951 * kSd;
 
 constexpr auto kMeasurements = std::to_array<Measurement>({
@@ -419,7 +420,7 @@ std::string_view NameOf(RowUse use) {
 std::span<const Measurement> Measurements() { return kMeasurements; }
 
 bool Measurement::Contains(double value) const {
-  // a small slack, because the bounds are decimal fractions that floats round
+  // a small tolerance, because the bounds are decimal fractions, which doubles round
   const double slack = 5e-10 * std::abs(measured);
   const double compared = resolution > 0.0 ? resolution * std::round(value / resolution) : value;
   return compared >= low - slack && compared <= high + slack;

@@ -9,11 +9,11 @@ namespace osteon::studies {
 
 /// The kind of evidence that a row of `osteon validate` gives.
 enum class RowUse : std::uint8_t {
-  kValidates,   ///< a measured level to which nothing in the model was fitted
-  kTrend,       ///< how a measured quantity changes with a condition, as a ratio
-  kRange,       ///< a measured range, in which the simulation should lie: an operator's choice is part of it
-  kTolerance,   ///< a just noticeable difference, below which the simulation should stay
-  kCalibrates,  ///< a value to which a constant of the model was fitted, so the row shows nothing
+  kValidates,   ///< a measured quantity to which nothing in the model was fitted
+  kTrend,       ///< a ratio that shows how a measured quantity changes with a condition
+  kRange,       ///< a measured range that the simulation should meet; it includes the operator's choice
+  kTolerance,   ///< a just noticeable difference; the simulation's error should be smaller
+  kCalibrates,  ///< a value to which a constant of the model was fitted, so that agreement proves nothing
 };
 /// "validates", "trend", "range", "tolerance", "calibrates".
 [[nodiscard]] std::string_view NameOf(RowUse use);
@@ -29,19 +29,19 @@ struct Measurement {
   double measured{0.0};                      ///< in `unit`
   double low{kNotStated}, high{kNotStated};  ///< accepted range; not stated: the row is not judged
   std::string_view spread;                   ///< origin of low and high
-  std::string_view source, conditions;       ///< of the measurement
+  std::string_view source, conditions;       ///< origin and conditions of the measurement
   std::string_view leaves_out;               ///< effects that the row's simulation leaves out
-  /// Last stated digit, to which a simulated value is rounded before it is compared; 0: not rounded.
+  /// Unit of the last stated digit: a simulated value is rounded to it before the comparison. 0: not rounded.
   double resolution{0.0};
 
-  /// Whether there is an accepted range.
+  /// Whether the row is judged: low and high are stated.
   [[nodiscard]] bool judged() const { return low == low && high == high; }
   /// Whether a simulated value, rounded to `resolution`, lies in the accepted range.
   [[nodiscard]] bool Contains(double value) const;
 };
 
-/// All measurements, in the order of the table. Most sources were read as abstracts or first pages; if they
-/// do not state a condition, the row says "not stated".
+/// All measurements, in the order of the table. Most sources were read as abstracts or first pages only. A
+/// condition that these do not state is given as "not stated".
 [[nodiscard]] std::span<const Measurement> Measurements();
 
 /// Finds the measurement with an id; null if there is none.

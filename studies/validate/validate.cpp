@@ -74,7 +74,7 @@ Json ConstantsJson() {
   return constants;
 }
 
-// Lists the numbers of the source's rows, as the accepted words in an error.
+// Lists the numbers of the source's rows, for the accepted words in an error.
 std::string RowNumbers() {
   std::vector<std::string> numbers;
   for (const Measurement& m : Measurements()) {
@@ -91,7 +91,7 @@ std::string VariantText(const ValidationRow& row, CompliantPart part) {
   return variant->simulated ? fmt::format("{:.4g}", *variant->simulated) : "-";
 }
 
-// Writes JSON, plot and page as far as the options name files. @returns an error; empty: none
+// Writes JSON, plot and page if the options name a file or folder for them. @returns an error; empty: none
 std::string WriteFiles(const ValidateOptions& options, std::span<const ValidationRow> rows) {
   if (!options.json.empty())
     if (const auto written = base::WriteText(options.json, ValidationJson(rows, options.command_line));

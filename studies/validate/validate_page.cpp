@@ -12,14 +12,14 @@
 namespace osteon::studies {
 namespace {
 
-// The unit after a space; empty for a ratio.
+// The unit with a space before it; empty for a ratio.
 std::string UnitText(const Measurement& m) { return m.unit == "1" ? "" : " " + std::string(m.unit); }
 
 std::string SpreadText(const Measurement& m) {
   return m.judged() ? fmt::format("{:.3g} to {:.3g}", m.low, m.high) : "not stated";
 }
 
-// The verdict as HTML, coloured if the row is judged or failed.
+// The verdict as an HTML table cell, coloured if the row is judged or has failed.
 std::string VerdictCell(const ValidationRow& row) {
   const std::string_view verdict = row.verdict();
   const char* level = verdict == "within" ? "good" : verdict == "misses" ? "look" : "bad";
@@ -27,7 +27,7 @@ std::string VerdictCell(const ValidationRow& row) {
   return fmt::format("<span class=\"verdict {}\">{}</span>", level, verdict);
 }
 
-// Names the part that gives way in a variant, for a reader.
+// Names the part that yields in a variant, for the reader of the page.
 const char* TextOf(CompliantPart part) {
   switch (part) {
     case CompliantPart::kTool:
@@ -40,7 +40,7 @@ const char* TextOf(CompliantPart part) {
   return "the bone on the mount of cell pelvis_mount";
 }
 
-// The table cells of the variants: tool, layer, mount.
+// The HTML table cells of the variants, in the order tool, layer, mount.
 std::string VariantCells(const ValidationRow& row) {
   std::string html;
   for (const CompliantPart part : {CompliantPart::kTool, CompliantPart::kLayer, CompliantPart::kMount}) {
@@ -71,7 +71,7 @@ std::string RowTable(std::span<const ValidationRow> rows) {
   return html + "</table>\n";
 }
 
-// HTML list of all that is known about a row: source, conditions, ablations, variants.
+// HTML list of the details of a row: source, conditions, ablations, variants.
 std::string RowDetails(const ValidationRow& row) {
   const Measurement& m = *row.measurement;
   std::string html = fmt::format("<h3>{}: {}</h3>\n<ul>\n", report::Escape(m.id), report::Escape(m.quantity));
@@ -112,7 +112,7 @@ std::string ConstantsTable() {
   return html + "</table>\n";
 }
 
-// HTML list of the published figures that the product uses.
+// HTML list of the published figures that the product itself uses.
 std::string PublishedUsesList() {
   std::string html = "<ul>\n";
   for (const PublishedUse& use : PublishedUses())

@@ -7,8 +7,8 @@
 
 namespace osteon::studies {
 
-/// The page of `osteon validate`: plot, table, and for each row its source, conditions, what is left out, and
-/// the ablations.
+/// The HTML page of `osteon validate`: plot, table, and for each row its source, its conditions, the effects
+/// left out, and the ablations.
 [[nodiscard]] std::string ValidationPage(std::span<const ValidationRow> rows,
                                          const std::string& command_line);
 

@@ -7,7 +7,8 @@
 
 namespace osteon::studies {
 
-/// Draws a line for each row: simulated over measured, beside the measured spread, on a logarithmic axis.
+/// Draws one line for each row: the ratio simulated / measured on a logarithmic axis, and the measured
+/// spread.
 [[nodiscard]] std::string ValidationPlot(std::span<const ValidationRow> rows);
 
 }  // namespace osteon::studies

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kQuickScale = 2.0;  // factor on the spacings of packings in a quick run
 
-// Text that tells drill runs apart. A material with changed figures must have a name of its own.
+// Text that is equal only for equal drill runs. A material with changed figures must have a name of its own.
 std::string KeyOf(const ConstantFeedParams& p) {
   std::string key =
       fmt::format("{} {} {} {} {} {} {} rad/s", p.material.name, p.material.specific_cutting_energy_J_per_m3,
@@ -55,7 +55,7 @@ void ValidationLab::Prepare(std::span<const CellTrialParams> cells) {
       todo.push_back(&cell);
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  // takes cell after cell until all are taken; an exception becomes the cell's error
+  // runs one cell after another until none is left; an exception is stored as the cell's error
   const auto work = [&] {
     for (std::size_t i = next++; i < todo.size(); i = next++) {
       tl::expected<CellTrial, std::string> trial = tl::make_unexpected(std::string());

@@ -12,14 +12,14 @@
 
 namespace osteon::studies {
 
-/// Length and fineness of the runs of `osteon validate`.
+/// Options of the runs of `osteon validate`.
 struct LabParams {
   std::filesystem::path config_root;
   bool quick{false};  ///< coarse bones and short runs, as in the tests: seconds instead of minutes
   int jobs{0};        ///< number of cells that run at a time; 0: one per core
 };
 
-/// Makes the runs that the rows need, and keeps each result for the next row that needs it.
+/// Makes the runs that the rows need. Each result is kept for further rows that need the same run.
 class ValidationLab {
  public:
   explicit ValidationLab(LabParams params) : params_(std::move(params)) {}
@@ -28,13 +28,13 @@ class ValidationLab {
   /// @throws std::invalid_argument naming it if there is none.
   [[nodiscard]] const simulation::Material& MaterialOf(const std::string& name);
 
-  /// Returns the result of a drill at constant feed. @param params  the lab sets config_root and
-  /// packing_scale
+  /// Returns the result of a drill at constant feed. @param params  config_root and packing_scale are
+  /// replaced by the lab's
   [[nodiscard]] const ConstantFeedResult& Drill(ConstantFeedParams params);
 
-  /// Runs cells at the same time, so that Cell() has them ready.
+  /// Runs several cells at the same time and keeps the results for Cell().
   void Prepare(std::span<const CellTrialParams> cells);
-  /// Returns a cell's run, which Prepare() may have made already.
+  /// Returns a cell's run; makes it unless Prepare() or an earlier call has made it.
   /// @throws std::runtime_error with the reason if the cell cannot be run, or stopped with a fault.
   [[nodiscard]] const CellTrial& Cell(const CellTrialParams& params);
 

@@ -19,7 +19,7 @@ struct Ablation {
   double simulated{0.0};  ///< in the row's unit
 };
 
-/// A part that gives way in a variant of a row, and is rigid in the row's own run.
+/// A part that yields in a variant of a row. In the row's own run, all parts are rigid.
 enum class CompliantPart : std::uint8_t {
   kTool,   ///< the tool bends, as its file's `bending` says
   kLayer,  ///< the cartilage yields, as the materials' file says
@@ -28,7 +28,7 @@ enum class CompliantPart : std::uint8_t {
 /// "tool", "layer", "mount": the keys of a cell's `compliance`.
 [[nodiscard]] std::string_view NameOf(CompliantPart part);
 
-/// A row's quantity, simulated with a part that gives way.
+/// A row's quantity, simulated with one part that yields.
 struct ComplianceVariant {
   CompliantPart part{CompliantPart::kTool};
   std::optional<double> simulated{};  ///< in the row's unit; nothing: the run had no result
@@ -37,31 +37,31 @@ struct ComplianceVariant {
 
 /// The outcome of a row's runs.
 struct Simulated {
-  double value{0.0};  ///< in the measurement's unit
+  double value{0.0};  ///< result, in the measurement's unit
   std::string how;    ///< which shipped parts ran, and how
-  /// Constants of materials on which the value depends: "cortical.cutting_energy".
+  /// Names of the material constants on which the value depends, e.g. "cortical.cutting_energy".
   std::vector<std::string> constants{};
   std::vector<Ablation> ablations{};
-  std::string reason{};  ///< why the value may miss the range, as the ablations show
-  /// Variants with a part that gives way, if the cell has such a part; `value` is without any.
+  std::string reason{};  ///< why the value may be outside the accepted range; the ablations show it
+  /// One variant for each part of the cell that can yield; `value` has rigid parts only.
   std::vector<ComplianceVariant> compliance{};
 
-  /// The variant in which this part gives way; null if the row has none.
+  /// The variant in which this part yields; null if the row has none.
   [[nodiscard]] const ComplianceVariant* With(CompliantPart part) const;
 };
 
 /// A row of the table: a measurement, and how it is simulated.
 struct ValidationItem {
-  std::string_view id;  ///< of the measurement
+  std::string_view id;  ///< id of the measurement
   std::function<Simulated(ValidationLab&)> simulate;
-  /// The cells that the item runs, so that they can run at the same time as those of other items.
+  /// The cells that the item runs. They can run at the same time as those of other items.
   std::function<std::vector<CellTrialParams>(bool quick)> cells{};
 };
 
 /// One item for each measurement, in their order.
 [[nodiscard]] std::span<const ValidationItem> ValidationItems();
 
-/// A finished row.
+/// A row of the table with its result.
 struct ValidationRow {
   const Measurement* measurement{nullptr};
   Simulated simulated;
@@ -69,21 +69,24 @@ struct ValidationRow {
 
   /// Whether a constant on which the value depends was fitted to the row's own measurement.
   [[nodiscard]] bool fitted() const;
-  /// Nothing if the source states no spread, or there is no result.
+  /// Whether the value lies in the accepted range; nothing if the source states no spread, or there is no
+  /// result.
   [[nodiscard]] std::optional<bool> within() const;
-  /// "within", "misses", "calibrates", "not judged", "no result"
+  /// The outcome in words: "within", "misses", "calibrates", "not judged", "no result".
   [[nodiscard]] std::string_view verdict() const;
 };
 
-/// Runs the items of these ids, or all if there is none. @param begins  called with an id before its run
+/// Runs the items with these ids, or all items if the list is empty. @param begins  called with each item's
+/// id before its run
 [[nodiscard]] std::vector<ValidationRow> RunValidation(ValidationLab& lab, std::span<const std::string> ids,
                                                        const std::function<void(std::string_view)>& begins);
 
-/// A just noticeable difference or a published hand that the product itself uses.
+/// A figure from the literature that the product itself uses: a just noticeable difference, or a figure of a
+/// hand.
 struct PublishedUse {
   std::string_view row, value, where;
 };
-/// All such figures, with the source's row, the value, and where the product uses it.
+/// All these figures, each with the source's row, the value, and the place where the product uses it.
 [[nodiscard]] std::span<const PublishedUse> PublishedUses();
 
 }  // namespace osteon::studies

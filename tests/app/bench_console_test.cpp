@@ -7,8 +7,8 @@
 namespace osteon::app {
 namespace {
 
-// A leg is one way to run the demo: without the console, or with its server and viewers. On a slow machine a
-// demo may end with a fault; its figures are reported nevertheless.
+// The benchmark runs the demo in several ways, the legs: without the console, and with its server and
+// viewers. On a slow machine a demo may end with a fault; its figures are reported nevertheless.
 TEST(BenchConsole, MeasuresEveryLegAndItsRatios) {
   const TemporaryFolder folder;
   const CommandResult result = RunCommand(
@@ -40,7 +40,7 @@ TEST(BenchConsole, AHundredReloadsLeaveNoResourceBehind) {
   EXPECT_EQ(json["killed"], 33);
   EXPECT_EQ(json["left_nothing"], true) << json;
   if (json["faults"].empty())
-    EXPECT_EQ(result.exit_code, 0) << result.out;  // a fault means that this machine was late
+    EXPECT_EQ(result.exit_code, 0) << result.out;  // a fault means that this machine woke a thread late
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace osteon::app {
 namespace {
 
-// Repeats a recording of 1 s until it lasts 0.025 h, which is 90 s, and shows it at four times.
+// Repeats a recording of 1 s until it lasts 0.025 h (90 s), and shows it at four of its times.
 TEST(BenchView, OpensARepeatedRecordingAndSeeksInIt) {
   const TemporaryFolder folder;
   const CommandResult demo =

@@ -8,14 +8,15 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// `osteon cell` and `osteon run` as a user starts them: two processes that are connected by the network
-// alone. No test asserts how fast this machine is: if a run fails because the machine woke a thread late, the
-// test repeats the run, at most three times, and is then skipped.
+// `osteon cell` and `osteon run` as a user starts them: two processes that are connected only by the network.
+// No test asserts how fast this machine is. If a run fails because the machine woke a thread late, the test
+// repeats the run, at most three times in all, and is then skipped.
 
 namespace osteon::app {
 namespace {
 
-// First of eight ports of this test process; the process id makes a collision with other tests unlikely.
+// First of the eight ports that this test process uses. It depends on the process id, so a collision with
+// other tests is unlikely.
 std::string Port() { return std::to_string(32768 + getpid() % 2000 * 8); }
 
 // Whether the command has printed the words to standard output.
@@ -63,7 +64,7 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// The cell's simulated operator presses the reset button again for the second controller.
+// The cell must serve a second controller, for which its simulated operator presses the reset button again.
 TEST(CellProcess, ASecondRunConnectsToTheSameCell) {
   constexpr int kAttempts = 3;
   const TemporaryFolder folder, cell_folder;
@@ -90,7 +91,8 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder, cell_folder;
-    // the simulated hand has 5 s for each of four tools and holds the tool still in the last of them
+    // the simulated hand works 5 s with each of four tools, and holds the tool still in the last of these
+    // seconds
     Command cell(cell_folder.path(),
                  {"cell", "demo", "--plan", "acetabulum", "--port", Port(), "--seconds", "20"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
@@ -98,7 +100,7 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
     Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port", Port(),
                                 "--seconds", "10", "--json", "run.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
-    usleep(4'200'000);  // into the last second of the first tool
+    usleep(4'200'000);  // until the last second of the first tool
     // repeats a request until the session accepts it, at most 40 times
     const auto ask = [&](const char* request) {
       for (int times = 0; times < 40; ++times) {
@@ -198,7 +200,7 @@ TEST(CellProcess, AfterARunIsKilledTheCellWaitsForTheNext) {
     return out.find("MONITORING_WAIT", out.find("COMMANDING_ACTIVE")) != std::string::npos;
   };
   EXPECT_TRUE(cell.WaitUntil(waits_again)) << cell.Out();
-  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
+  usleep(600'000);  // longer than the 0.25 s for which the PLC tolerates a missing heartbeat
   cell.Send(SIGTERM);
   EXPECT_EQ(cell.Wait().exit_code, 0);
   const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
@@ -206,8 +208,8 @@ TEST(CellProcess, AfterARunIsKilledTheCellWaitsForTheNext) {
   EXPECT_FALSE(report.at("arm").at("stop").get<std::string>().empty());
 }
 
-// The run's file has the bone 20 mm higher than the cell's, so the tool is inside it from the start, as after
-// a controller was killed in contact.
+// The bone is 20 mm higher in the run's file than in the cell's. So the tool is inside the bone from the
+// start, as after a controller was killed in contact.
 TEST(CellProcess, ARunThatStartsInsideBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";

@@ -15,7 +15,7 @@
 namespace osteon::app {
 namespace {
 
-// This process's environment with entries added or replaced.
+// This process's environment, with these entries added or replaced.
 std::vector<std::string> Environment(const std::vector<std::string>& added) {
   std::vector<std::string> all = added;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -27,7 +27,7 @@ std::vector<std::string> Environment(const std::vector<std::string>& added) {
   return all;
 }
 
-// Null-terminated list for posix_spawn, which points into the texts.
+// Null-terminated list for posix_spawn. The pointers refer to the texts, which must outlive the list.
 std::vector<char*> Pointers(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   for (std::string& text : texts) pointers.push_back(text.data());
@@ -60,7 +60,7 @@ Command::Command(const std::filesystem::path& folder, std::vector<std::string> a
   };
   redirect(STDOUT_FILENO, streams.out, out_);
   redirect(STDERR_FILENO, streams.err, err_);
-  // the default reaction to these signals, as in a shell, even if this process ignores them
+  // the child gets the default reaction to these signals, as from a shell, even if this process ignores them
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t defaults;

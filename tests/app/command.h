@@ -21,43 +21,45 @@ using io::test::TemporaryFolder;
 
 /// How a command ended, and what it printed.
 struct CommandResult {
-  int exit_code{-1};  ///< as a shell shows it: 128 + the signal if a signal ended the process
+  int exit_code{-1};  ///< as a shell shows it: 128 + the signal's number if a signal ended the process
   std::string out, err;
 };
 
-/// Time limit of a command's run; with a sanitizer a run takes up to ten times as long.
+/// Time limit of a command's run. With a sanitizer, a run takes up to ten times as long.
 #if defined(OSTEON_SANITIZED)
 inline constexpr std::chrono::seconds kRunLimit{3000};
 #else
 inline constexpr std::chrono::seconds kRunLimit{300};
 #endif
 
-/// Descriptors to print to; kFile: a file that Out() or Err() reads, kClosed: no descriptor at all.
+/// Destinations of standard output and standard error. kFile: a file that Out() or Err() reads; kClosed: no
+/// descriptor at all.
 struct CommandStreams {
   static constexpr int kFile = -1, kClosed = -2;
   int out{kFile}, err{kFile};
 };
 
-/// A process `osteon ARGUMENTS` in a folder, with OSTEON_ROOT set to the sources; started without a shell.
+/// A process that runs `osteon ARGUMENTS` in a folder. OSTEON_ROOT is set to the sources. No shell is
+/// involved.
 class Command {
  public:
-  /// @param environment  "NAME=value", added to this process's or replacing its values
+  /// @param environment  "NAME=value" each; added to this process's environment, or replacing values in it
   /// @param streams  where the process prints to
   Command(const std::filesystem::path& folder, std::vector<std::string> arguments,
           const std::vector<std::string>& environment = {}, const CommandStreams& streams = {});
-  /// Kills a process that still runs.
+  /// Kills the process if it still runs.
   ~Command();
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
   void Send(int signal_number) const;
-  /// Standard output and standard error so far, if they go to files.
+  /// Standard output so far, if it goes to a file; below, standard error.
   [[nodiscard]] std::string Out() const;
   [[nodiscard]] std::string Err() const;
-  /// Polls the condition until it holds. False if the process ended or the time limit passed first.
+  /// Polls the condition until it holds. Returns false if the process ends or the time limit passes first.
   [[nodiscard]] bool WaitUntil(const std::function<bool()>& condition,
                                std::chrono::seconds limit = kRunLimit / 5);
-  /// Waits for the end of the process. Kills the process at the limit; its exit code is then 137.
+  /// Waits for the end of the process. At the time limit it kills the process, whose exit code is then 137.
   CommandResult Wait(std::chrono::seconds limit = kRunLimit);
 
  private:
@@ -74,7 +76,7 @@ class Command {
                                        std::vector<std::string> arguments,
                                        const std::vector<std::string>& environment = {});
 
-/// Reads a file with one JSON object; anything else is a test failure and gives null.
+/// Reads a file with one JSON object. If the file holds anything else, the test fails and the result is null.
 [[nodiscard]] nlohmann::json ReadJson(const std::filesystem::path& file);
 /// Reads a recording, which must be readable and complete.
 [[nodiscard]] io::Recording ReadComplete(const std::filesystem::path& file);

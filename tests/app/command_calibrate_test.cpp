@@ -23,8 +23,8 @@ using kinematics::JointVector;
 
 const std::filesystem::path kCell = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells/demo.yaml";
 
-// Values of the simulated sensor and tool that the calibration must find: the payload's mass and centre in
-// the flange frame F, the sensor's bias, the tool's apex T in F.
+// True values of the simulated sensor and tool, which the calibration must find: the payload's mass and
+// centre of mass in the flange frame F, the sensor's bias, and the position of the tool's apex T in F.
 struct Truth {
   double mass_kg{0.0};
   Vector3 center_F_m{Vector3::Zero()};
@@ -32,7 +32,8 @@ struct Truth {
   Vector3 p_FT_m{Vector3::Zero()};
 };
 
-// Records simulated measurements of a cell whose payload and apex differ a little from those in its file.
+// Records simulated measurements of a cell. The true payload and apex differ a little from those in the
+// cell's file.
 class CalibrateTest : public ::testing::Test {
  protected:
   CalibrateTest() {
@@ -55,7 +56,8 @@ class CalibrateTest : public ::testing::Test {
     const auto noise = [&](double size) {
       return Vector3(size * normal(random_), size * normal(random_), size * normal(random_));
     };
-    // appends a tick with the arm at q: the sensor feels bias, weight and noise
+    // appends a tick with the arm at the joint positions q: the sensor reads the sum of bias, weight and
+    // noise
     const auto push = [&](const JointVector& q) {
       tick.stamp += rt::kMillisecond;
       std::copy_n(q.data(), 7, tick.q_meas.begin());
@@ -100,7 +102,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
     weigh.push_back(q);
   }
   Record(folder_.path() / "weigh.mcap", weigh);
-  // the apex of the tool stays on one point while the flange turns about it
+  // the arm is moved so that the tool's apex stays at one point while the flange turns about it
   const Pose X_WF = cell_.X_WB * arm_.FlangePose(Start());
   const Vector3 point_W = X_WF * truth_.p_FT_m;
   for (const auto& [x, y] :
@@ -124,7 +126,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
   EXPECT_EQ(json.at("schema"), "osteon.calibrate/1");
   const nlohmann::json& payload = json.at("payload");
   EXPECT_EQ(payload.at("poses"), 6);
-  // 500 readings per pose: 0.1 N of noise become 5 mN, half a gram of weight
+  // the mean of 500 readings per pose reduces the noise of 0.1 N to 5 mN, the weight of half a gram
   EXPECT_NEAR(payload.at("mass_kg").get<double>(), truth_.mass_kg, 0.003);
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -135,7 +137,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
   EXPECT_LT(json.at("residual").at("payload_N").get<double>(), 0.02);
   EXPECT_LT(json.at("residual").at("tcp_mm").get<double>(), 1e-3);
 
-  // one residual for each posture; repeatability needs a posture that was visited twice
+  // there is one residual for each posture; the repeatability is known only if a posture was visited twice
   ASSERT_EQ(payload.at("postures").size(), 6u);
   for (const nlohmann::json& posture : payload.at("postures")) EXPECT_LT(posture.at("residual_N"), 0.1);
   EXPECT_EQ(json.at("tcp").at("postures").size(), 6u);
@@ -143,7 +145,7 @@ TEST_F(CalibrateTest, FindsPayloadBiasAndApexAndTheCellUsesThem) {
   EXPECT_TRUE(json.at("drift").empty());
   EXPECT_EQ(json.at("earlier_calibrations"), 0);
 
-  // the loop uses the calibration once the cell's file names it
+  // the loop must use the calibration once the cell's file names it
   std::ofstream(folder_.path() / "cell.yaml") << "calibration: found.yaml\n" << config::CellText("demo");
   const config::CellConfig measured = config::LoadCell(folder_.path() / "cell.yaml");
   EXPECT_NEAR(measured.servo.sensor.tool_mass_kg, truth_.mass_kg, 0.003);
@@ -190,7 +192,7 @@ TEST_F(CalibrateTest, KeepsAHistoryAndWarnsOfDrift) {
   EXPECT_NE(run.out.find("the payload's mass has drifted"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("the sensor's bias has drifted by 2.0"), std::string::npos) << run.out;
 
-  // a damaged line of the history is named, and the calibration's file is not overwritten
+  // if a line of the history is damaged, the error names it and the calibration's file is not overwritten
   std::ofstream(folder_.path() / "found.history.jsonl", std::ios::app) << "no json\n";
   const CommandResult refused = calibrate();
   EXPECT_EQ(refused.exit_code, 2);

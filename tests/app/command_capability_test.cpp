@@ -17,8 +17,8 @@ std::string ReadText(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// The task's volume is larger than the workspace: poses outside are counted and not judged, and the verdict
-// is not good. 243 poses: 3 heights, each with 9 places of 9 tilts.
+// The task's volume is larger than the workspace. Poses outside are counted but not judged, and the verdict
+// is not good. 243 poses: 3 heights with 9 places each, and 9 tilts at each place.
 TEST(Capability, PosesOutsideTheWorkspacePreventAGoodVerdict) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3",
@@ -60,12 +60,12 @@ TEST(Capability, WritesTheDocumentedKeysAndABaseThatTheCellAccepts) {
   EXPECT_NE(run.out.find("Verdict                        good"), std::string::npos) << run.out;
   EXPECT_EQ(json.at("verdict").at("level"), "good");
 
-  // plan and side view show the best base on the same side of the site
+  // plan view and side view must show the best base on the same side of the site
   const std::string svg = ReadText(folder.path() / "cap" / "base.svg");
   std::vector<double> from_site;
   for (std::size_t site = svg.find(">site<"), best = svg.find(">best<"); best != std::string::npos;
        site = svg.find(">site<", site + 1), best = svg.find(">best<", best + 1)) {
-    // x of the last label that begins before a place in the text
+    // x of the label whose text is found at position `end` of the SVG
     const auto left = [&svg](std::size_t end) {
       return std::stod(svg.substr(svg.rfind("<text x=", end) + 9));
     };
@@ -75,10 +75,10 @@ TEST(Capability, WritesTheDocumentedKeysAndABaseThatTheCellAccepts) {
   EXPECT_LT(from_site[0], 0.0);
   EXPECT_LT(from_site[1], 0.0);
 
-  // a cell with this base in its file loads
+  // a cell with this base in its file can be loaded
   std::string cell = config::CellText("demo");
   const std::string yaml = ReadText(folder.path() / "cap" / "base.yaml");
-  // gives a key of the cell the line that it has in another text
+  // replaces the line of a key in the cell by the line that the key has in the text `in`
   const auto replace = [&](const std::string& key, const std::string& in) {
     const std::string value = in.substr(in.find(key), in.find('\n', in.find(key)) - in.find(key));
     cell.replace(cell.find(key), cell.find('\n', cell.find(key)) - cell.find(key), value);
@@ -90,7 +90,7 @@ TEST(Capability, WritesTheDocumentedKeysAndABaseThatTheCellAccepts) {
   const config::CellConfig moved = config::LoadCell(folder.path() / "moved.yaml");
   EXPECT_NEAR(1e3 * moved.X_WB.translation().x(), base.at("position_mm")[0].get<double>(), 1e-6);
 
-  // a second study, at the new base, finds the promised force
+  // a second study with this base must find the force that the first study promised
   const CommandResult again = RunCommand(
       folder.path(), {"capability", "moved.yaml", "--no-search", "--nodes", "5", "--out", "moved"});
   ASSERT_EQ(again.exit_code, 0) << again.err;

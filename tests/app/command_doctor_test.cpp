@@ -8,12 +8,13 @@
 #include "session/setup/realtime_checks.h"
 #include "tests/app/command.h"
 
-// Runs `osteon doctor` as a user does, and tests the measurement behind its verdicts.
+// Runs `osteon doctor` as a user does, and tests the measurement on which its verdicts are based.
 
 namespace osteon::app {
 namespace {
 
-// Expects of each check a value, a known verdict and, unless it is good, advice. @returns their names.
+// Expects that each check has a value and a known verdict, and gives advice unless the verdict is good.
+// @returns the checks' names.
 std::set<std::string> ExpectChecks(const nlohmann::json& doctor) {
   std::set<std::string> names;
   EXPECT_EQ(doctor.at("schema"), "osteon.doctor/1");
@@ -56,14 +57,14 @@ const nlohmann::json* FindCheck(const nlohmann::json& doctor, const std::string&
   return nullptr;
 }
 
-// Value and advice of a check, in one text.
+// Value and advice of the check with this name, as one text.
 std::string TextOf(const nlohmann::json& doctor, const std::string& name) {
   const nlohmann::json* check = FindCheck(doctor, name);
   return check ? check->at("value").get<std::string>() + "; " + check->at("advice").get<std::string>()
                : "no such check";
 }
 
-// Runs `osteon doctor` on a cell that extends the demo's with these lines.
+// Runs `osteon doctor` on a cell that extends the demo's and has these lines in addition.
 struct CellDoctor {
   explicit CellDoctor(const std::string& lines) {
     io::test::WriteAll(folder.path() / "mine.yaml", "extends: demo\n" + lines);
@@ -78,7 +79,7 @@ struct CellDoctor {
 };
 
 TEST(Doctor, SaysThatASimulatedCellsConnectionsAreSimulated) {
-  // this link occupies the arm's port, which must be reported as missing
+  // this link occupies the arm's port, so `osteon doctor` must report the port as missing
   const auto occupant = io::FriLink::Open({.port = 0});
   ASSERT_TRUE(occupant) << occupant.error();
   const std::string port = std::to_string((*occupant)->port());
@@ -101,7 +102,7 @@ TEST(Doctor, SaysThatASimulatedCellsConnectionsAreSimulated) {
   EXPECT_GT(buses, 0u);
 }
 
-// RFC 5737 reserves these addresses for documentation, so no network has them.
+// The cell names addresses that RFC 5737 reserves for documentation, so no network has them.
 TEST(Doctor, NamesEachMissingConnectionOfARealCell) {
   const CellDoctor doctor(
       "fri: {host: 192.0.2.10, arm_host: 192.0.2.2, port: 30200}\n"
@@ -163,7 +164,8 @@ TEST(Doctor, NamesAJsonFileThatCannotBeWritten) {
   EXPECT_NE(run.err.find("nowhere/d.json"), std::string::npos) << run.err;
 }
 
-// Latencies just below and above the limits for a period of 1 ms, which are 0.1 ms and 0.5 ms.
+// For a period of 1 ms, the limits are 0.1 ms (99.9th percentile of the latency) and 0.5 ms (maximum). The
+// test uses latencies just below and just above.
 TEST(Doctor, APeriodNeedsItsP999LatencyBelowATenthAndItsMaximumBelowHalf) {
   const session::DurationFigures late{
       .count = 10'000, .p50_s = 5e-6, .p99_s = 40e-6, .p999_s = 99e-6, .max_s = 499e-6};

@@ -8,7 +8,7 @@
 #include "tests/app/command.h"
 #include "tests/app/recorded_run.h"
 
-// Tests `osteon export`: tables, and a complete recording rebuilt from a torn one.
+// Tests `osteon export`: it writes tables, and rebuilds a complete recording from a torn one.
 
 namespace osteon::app {
 namespace {
@@ -64,7 +64,7 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueBitForBit) {
 
   const Csv ticks(tables / "recording_ticks.csv");
   ASSERT_EQ(ticks.rows.size(), recording_->ticks.size());
-  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {  // a sample of the rows
+  for (std::size_t row = 0; row < ticks.rows.size(); row += 37) {  // checks every 37th row
     const control::TickRecord& tick = recording_->ticks[row];
     ASSERT_EQ(ticks.rows[row].size(), ticks.columns.size());
     EXPECT_EQ(ticks.Number(row, "time_s"), 1e-9 * static_cast<double>(tick.stamp));
@@ -95,7 +95,8 @@ TEST_F(ExportCommandTest, TablesHoldEveryValueBitForBit) {
   EXPECT_TRUE(touched);
 }
 
-// The copy keeps every message and adds the bone: first the whole bone, then the bricks that changed.
+// The copy keeps every message and adds the bone's states: first the whole bone, then only the bricks that
+// changed.
 TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
   const nlohmann::json json = Export({Original().string(), "--foxglove", "bone.mcap", "--every", "1"});
   EXPECT_TRUE(json.at("tables").empty()) << "nobody asked for tables";
@@ -109,7 +110,7 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
   auto reader = io::McapReader::Open(copy);
   ASSERT_TRUE(reader) << reader.error();
   io::McapMessage message;
-  std::vector<std::size_t> states;  // bytes of each
+  std::vector<std::size_t> states;  // number of bytes of each bone state
   std::uint64_t others = 0, last_ns = 0;
   for (;;) {
     const auto more = reader->Next(message);
@@ -130,7 +131,7 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
   for (std::size_t i = 1; i < states.size(); ++i)
     EXPECT_LT(states[i], states[0] / 2) << "only the bricks that changed";
 
-  // bone states that a recording already has are replaced by the copy's
+  // if the recording already contains bone states, the copy contains only new ones
   const nlohmann::json again = Export({"bone.mcap", "--foxglove", "again.mcap", "--every", "2"});
   EXPECT_EQ(again.at("foxglove").at("messages"), others);
   EXPECT_LT(again.at("foxglove").at("bone_states"), states.size());
@@ -148,7 +149,7 @@ TEST_F(ExportCommandTest, ACopyForFoxgloveShowsTheBoneBeingCarved) {
       std::string::npos);
 }
 
-// Each column's name ends with a unit, or is listed as one without a unit (`bare`), and never both.
+// Each column's name ends with a unit or is listed in `bare`, the names without a unit. No name does both.
 TEST_F(ExportCommandTest, ColumnsNameTheirUnits) {
   Export({Original().string(), "--out", "."});
   const std::vector<std::string> units{"_s",       "_ns",        "_m",       "_rad",      "_N",
@@ -260,7 +261,7 @@ TEST_F(ExportCommandTest, RecoversATornRecording) {
   EXPECT_GT(recovered.ticks.size(), recording_->ticks.size() / 2);
   EXPECT_NE(out_.find("of a message that was cut off"), std::string::npos) << out_;
 
-  json = Export({torn.string()});  // the torn recording itself, as far as it goes
+  json = Export({torn.string()});  // the readable part of the torn recording itself
   EXPECT_EQ(json.at("ticks"), recovered.ticks.size());
   EXPECT_EQ(json.at("complete"), false);
   EXPECT_NE(out_.find("ends early"), std::string::npos) << out_;
@@ -310,7 +311,7 @@ TEST_F(ExportCommandTest, RefusesInvalidArguments) {
     EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
     EXPECT_NE(run.err.find("osteon export: "), std::string::npos) << run.err;
   }
-  // a full disk: the JSON file cannot be written
+  // the disk is full, so the JSON file cannot be written
   const CommandResult unwritable =
       RunCommand(folder_.path(), {"export", Original().string(), "--out", ".", "--json", "/dev/full"});
   EXPECT_EQ(unwritable.exit_code, 1) << unwritable.err;

@@ -33,7 +33,7 @@ TEST(FailuresCommand, WritesTableJsonPageAndPictures) {
   EXPECT_EQ(json["schema"], "osteon.failures/1");
   EXPECT_EQ(json["engine"], "reference");
   ASSERT_EQ(json["scenarios"].size(), 2u);
-  EXPECT_EQ(json["scenarios"][0]["id"], 19);  // by number, whatever the order on the command line
+  EXPECT_EQ(json["scenarios"][0]["id"], 19);  // scenarios are sorted by number, not as on the command line
   EXPECT_EQ(json["scenarios"][1]["id"], 22);
   for (const auto& scenario : json["scenarios"]) {
     for (const char* key :
@@ -120,7 +120,7 @@ TEST(FailuresCommand, RunsEveryFaultInEveryState) {
   EXPECT_EQ(RunCommand(folder.path(), {"failures", "--faults", "9"}).exit_code, 2);
 }
 
-// A fault after which the cell does not react as expected is marked in the table, the list and the JSON.
+// A fault to which the cell does not react as expected is marked in table, list and JSON.
 TEST(FaultTable, MarksAReactionThatDiffersFromTheExpected) {
   studies::FaultVerdict good, bad;
   good.fault = bad.fault = "drive's fault";

@@ -44,7 +44,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_NE(other.out.find("another cell's recording: found the tool"), std::string::npos) << other.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "again/identified.yaml"));
 
-  // `osteon capability` uses the lag that was measured along z, and assumes the others
+  // `osteon capability` uses the measured lag along z, and assumes the lags along the other axes
   const CommandResult force =
       RunCommand(folder.path(), {"capability", "demo", "--no-search", "--nodes", "3", "--out", "cap",
                                  "--identified", "identify/identified.yaml"});
@@ -57,7 +57,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   EXPECT_NE(io::test::ReadAll(folder.path() / "cap/capability.html").find("Rendered along z"),
             std::string::npos);
 
-  // refused: a recording given twice, validation with the data of the fit, a torn recording
+  // refused are: a recording that is given twice, validation with the data of the fit, a torn recording
   const std::string file = "identify/free_z_50.mcap";
   const auto expect_refused = [&](std::vector<std::string> words, const std::string& why) {
     words.insert(words.begin(), {"identify", "demo", "--out", "none", "--recording", file});
@@ -72,7 +72,7 @@ TEST(IdentifyCommand, FindsTheSameInARunAndInItsRecording) {
   io::test::WriteAll(folder.path() / "torn.mcap", whole.substr(0, whole.size() / 2));
   expect_refused({"--recording", "torn.mcap"}, "torn.mcap: it ends early, at byte ");
 
-  // the recording of the measurement replays
+  // the recording that the measurement made can be replayed
   EXPECT_EQ(RunCommand(folder.path(), {"replay", "identify/free_z_50.mcap"}).exit_code, 0);
 }
 
@@ -114,7 +114,7 @@ TEST(IdentifyCommand, FindsTheSameForEachJointInARunAndInItsRecording) {
                  "without --do joints, accepted both");
 }
 
-// The `osteon` commands in a section of a page, each split into its words after `osteon`.
+// The `osteon` commands in one section of a page. Each is split into the words after `osteon`.
 std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const std::string& heading) {
   const std::string text = io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / page);
   std::vector<std::vector<std::string>> commands;
@@ -132,7 +132,8 @@ std::vector<std::vector<std::string>> CommandsOf(const std::string& page, const 
   return commands;
 }
 
-// The first command of the page's example makes recordings; the second must need nothing but these.
+// The first command of the example on the page makes recordings. The second command must need nothing but
+// these.
 TEST(IdentifyCommand, TheWorkedExampleOfTheTuningPageRunsAsWritten) {
   const TemporaryFolder folder;
   const auto commands = CommandsOf("docs/tuning.md", "## A worked example");

@@ -6,13 +6,13 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// Wrong input to `osteon`: the command must do nothing but print one line with the found and the accepted
-// value, and exit with code 2.
+// Wrong input to `osteon`. The command must do nothing but print one line, which names the value found and
+// the values accepted, and exit with code 2.
 
 namespace osteon::app {
 namespace {
 
-// A valid --cup: X,Y,Z,NX,NY,NZ,R, the lengths in mm.
+// A valid value of --cup: X,Y,Z,NX,NY,NZ,R (centre, axis, radius), lengths in mm.
 const std::string kGoodCup = "0,0,0,0,0,1,24";
 
 class WrongInput : public testing::Test {
@@ -54,7 +54,7 @@ class WrongInput : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  bool one_line_{true};  ///< whether the error must be a single line
+  bool one_line_{true};  ///< whether the error must have only one line
 };
 
 TEST_F(WrongInput, AnErrorOrRateOfAPlanOutsideItsRangeIsRefused) {
@@ -169,7 +169,7 @@ TEST_F(WrongInput, AnUnusableMeshIsRefused) {
   const auto far = Write("far.obj", simulation::ObjText(box));
   ExpectRefused({"demo", "--mesh", far.string(), "--cup", "500,0,0,0,0,1,24"},
                 {far.string(), "cup at (500, 0, 0) mm", "accepted", "spans"});
-  box.triangles.resize(2);  // one face: a sheet bounds no solid
+  box.triangles.resize(2);  // only the two triangles of one face remain: such a sheet bounds no solid
   const auto sheet = Write("sheet.obj", simulation::ObjText(box));
   ExpectRefused({"demo", "--mesh", sheet.string(), "--cup", kGoodCup},
                 {sheet.string(), "open edges", "accepted 2", "no solid can be made of it"});
@@ -212,7 +212,7 @@ TEST_F(WrongInput, AnUnknownToolOrDiameterIsRefused) {
 }
 
 TEST_F(WrongInput, AnUnknownDeviceIsRefused) {
-  one_line_ = false;  // the devices follow, one a line
+  one_line_ = false;  // further lines list the available devices
   ExpectRefused({"demo", "--device", "nosuch"}, {"\"nosuch\"", "found:\n  "});
 }
 

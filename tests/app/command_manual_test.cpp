@@ -22,7 +22,7 @@ namespace {
 using io::test::ReadAll;
 using io::test::WriteAll;
 
-// Runs a shell command. @returns what it prints to either stream.
+// Runs a shell command. @returns its standard output and standard error together.
 std::string Shell(const std::string& command) {
   std::string out;
   std::FILE* pipe = popen((command + " 2>&1").c_str(), "r");
@@ -52,12 +52,12 @@ class Manual : public testing::Test {
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return run.out;
   }
-  // The table of all subcommands, as JSON.
+  // The table of all subcommands, read from the command's JSON.
   nlohmann::json Table() {
     Output({"manual", "--json", "manual.json"});
     return ReadJson(folder_.path() / "manual.json");
   }
-  // Calls `each` with a command and with all its subcommands, recursively.
+  // Calls `each` for a command and for all its subcommands, recursively.
   static void ForEachCommand(const nlohmann::json& command,
                              const std::function<void(const nlohmann::json&)>& each) {
     each(command);
@@ -86,7 +86,7 @@ TEST_F(Manual, TheManPageGivesNoRoffWarnings) {
     EXPECT_NE(shown.find("osteon bench frame"), std::string::npos);
   }
   if (mandoc) {
-    // the page has no date: the same sources always make the same page
+    // the manual page contains no date, so the same sources always give the same page
     for (const std::string& line : Lines(Shell("mandoc -Tlint -W warning '" + page + "'")))
       EXPECT_NE(line.find("missing date"), std::string::npos) << line;
   }
@@ -101,7 +101,8 @@ TEST_F(Manual, EveryOptionHasHelpAndAKindOfValue) {
       SCOPED_TRACE(command.at("name").get<std::string>() + " " +
                    option.at("names").back().get<std::string>());
       EXPECT_NE(option.at("help"), "");
-      // Option::type_name or the accepted words say what a value looks like; only --reason takes any text
+      // every option's help must describe its value, by Option::type_name or by the accepted words; only
+      // --reason accepts any text
       if (option.at("names").back() != "--reason") {
         EXPECT_NE(option.at("value"), "TEXT");
       }
@@ -116,7 +117,7 @@ TEST_F(Manual, HelpFitsTheTerminal) {
     std::istringstream name(command.at("name").get<std::string>());
     std::vector<std::string> words;
     for (std::string word; name >> word;) words.push_back(word);
-    words.erase(words.begin());  // osteon
+    words.erase(words.begin());  // removes "osteon"
     words.emplace_back("--help");
     for (const std::size_t width : {80u, 120u}) {
       const std::string help = Output(words, {"COLUMNS=" + std::to_string(width)});

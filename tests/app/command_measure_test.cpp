@@ -53,7 +53,8 @@ TEST(BenchFrame, ComparesTwoMethodsFrameByFrame) {
   EXPECT_EQ(other.at("method"), "reference");
   EXPECT_EQ(other.at("frames"), 20);
   EXPECT_EQ(other.at("active_spheres_mean"), 1000);
-  // both methods start from the same state, each pressed by its own simulated hand: both remove the same
+  // both methods start from the same state, and a simulated hand of its own presses each tool: both must
+  // remove the same volume
   EXPECT_NEAR(other.at("removed_mm3").get<double>(), json.at("removed_mm3").get<double>(),
               0.02 * json.at("removed_mm3").get<double>() + 1.0);
   EXPECT_NE(run.out.find("times as long as"), std::string::npos);
@@ -232,7 +233,7 @@ TEST(BenchTick, WritesTheDocumentedKeys) {
     ExpectTimes(json.at("stage_us").at(stage));
   ExpectTimes(json.at("kernel_alone_us"));
   EXPECT_GT(json.at("kernel_alone_us").at("p50").get<double>(), 0.0);
-  // the loop had real work: a hand that pressed the tool on planes
+  // the loop had real work: the hand pressed the tool onto contact planes
   EXPECT_GT(json.at("mean_force_N").get<double>(), 1.0);
   EXPECT_GE(json.at("contacts_pressing_mean").get<double>(), 1.0);
   EXPECT_LE(json.at("contacts_pressing_mean").get<double>(), 8.0);
@@ -293,7 +294,7 @@ TEST(BenchFrame, ExitsWithOneIfThereIsNoSuchDevice) {
   EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
 }
 
-// Expects a chart's pictures, data and page in the folder; 100 bytes exclude empty files.
+// Expects a chart's pictures, data and page in the folder. The minimum of 100 bytes excludes empty files.
 void ExpectFiles(const std::filesystem::path& folder, const std::string& name) {
   for (const char* extension : {".svg", ".png", ".csv", ".json", ".html"}) {
     const std::filesystem::path file = folder / (name + extension);
@@ -318,7 +319,7 @@ TEST(ChartScaling, WritesItsFilesAndPoints) {
     EXPECT_GT(point.at("rate_hz").get<double>(), 0.0);
     EXPECT_GT(point.at("frame_us_p50").get<double>(), 0.0);
   }
-  EXPECT_EQ(series.size(), 3u);  // cut zone unchanged, uniform, without culling
+  EXPECT_EQ(series.size(), 3u);  // three cases: the cut zone unchanged, uniform, and without culling
 }
 
 TEST(ChartCompliance, WritesItsFilesAndFigures) {
@@ -333,8 +334,8 @@ TEST(ChartCompliance, WritesItsFilesAndFigures) {
   EXPECT_EQ(json.at("schema"), "osteon.chart.compliance/1");
   EXPECT_EQ(json.at("costs").size(), 5u);
   ASSERT_EQ(json.at("changes").size(), 3u);
-  // two springs in series at a slow motion, the coupling and the part: 60 and 7.48 N/mm for the drill, 20 and
-  // 47.4 N/mm for the mount
+  // in slow motion the coupling (60 N/mm for the drill, 20 N/mm for the mount) and the part (7.48 and 47.4
+  // N/mm) are two springs in series
   EXPECT_NEAR(json.at("changes")[0].at("felt_ratio")[0].get<double>(), 7.48 / (7.48 + 60.0), 0.005);
   EXPECT_NEAR(json.at("changes")[2].at("felt_ratio")[0].get<double>(), 47.4 / (47.4 + 20.0), 0.005);
   EXPECT_NEAR(json.at("changes")[2].at("gives_m")[7].get<double>(), 2.53e-3, 0.03e-3) << "under 120 N";
@@ -359,8 +360,8 @@ TEST(ChartSpeedAccuracy, WritesItsFilesAndPoints) {
       EXPECT_GE(point.at(key).get<double>(), 0.0) << key;
     EXPECT_EQ(point.at("tasks").size(), 4u);
   }
-  // two points for each method, coarse then fine: the fine cut is closer to the exact one, and
-  // that of the method `cpu` leaves no bone in the tool's path
+  // each method has two points, coarse then fine. The fine cut is closer to the exact cut, and the fine cut
+  // of method `cpu` leaves no bone in the tool's path
   const nlohmann::json& points = json.at("points");
   const auto depth = [&](std::size_t i) { return points[i].at("depth_error_mm").get<double>(); };
   for (const std::size_t coarse : {0u, 2u, 4u}) EXPECT_LT(depth(coarse + 1), depth(coarse));

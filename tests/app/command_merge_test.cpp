@@ -6,8 +6,8 @@
 #include "studies/sharding/part_set.h"
 #include "tests/app/command.h"
 
-// Runs studies whole, and in shards that `osteon merge` puts together, as a user of several machines does.
-// Both ways must give the same files, except for measured times.
+// Runs studies in two ways: whole, and in shards that `osteon merge` puts together, as a user with several
+// machines does. Both ways must give the same files, except for measured times.
 
 namespace osteon::app {
 namespace {
@@ -23,7 +23,7 @@ nlohmann::json WithoutTimes(nlohmann::json json) {
   return json;
 }
 
-// The text of a shard's file, with the digest that fits this content.
+// The text of a shard's file with this content and the digest that belongs to it.
 std::string TextOfPart(const nlohmann::json& json) {
   studies::Part part{.file = {},
                      .shard = {.index = json.at("shard").at("index"), .of = json.at("shard").at("of")},
@@ -42,7 +42,8 @@ class Merge : public testing::Test {
   CommandResult Run(const std::vector<std::string>& arguments) {
     return RunCommand(folder_.path(), arguments);
   }
-  /// Runs all shards, which may end with 0 or the exit code. @returns their files, the last first.
+  /// Runs all shards of a command. Each may end with exit code 0 or `exit_code`. @returns the shards' files,
+  /// the last shard first.
   std::vector<std::string> RunShards(const std::vector<std::string>& command, int of, int exit_code) {
     std::vector<std::string> files;
     for (int index = of; index >= 1; --index) {
@@ -67,8 +68,8 @@ class Merge : public testing::Test {
   TemporaryFolder folder_;
 };
 
-// Some scenarios differ from their golden traces, so the page has their plots, drawn from samples in the
-// shards' files.
+// Some scenarios differ from their golden traces, so the page has plots of them. The plots need samples,
+// which the shards' files contain.
 TEST_F(Merge, MergedRegressEqualsOneRun) {
   const std::vector<std::string> command{"regress", "wall_reamer",           "wall_kr", "pause",
                                          "--set",   "limits.max_force_N=50", "--junit", "out/junit.xml"};
@@ -92,7 +93,7 @@ TEST_F(Merge, MergedRegressEqualsOneRun) {
   EXPECT_EQ(merged.exit_code, 1) << merged.out << merged.err;
   const nlohmann::json merged_json = ReadJson(folder_.path() / "r.json");
   EXPECT_EQ(WithoutTimes(merged_json).dump(), WithoutTimes(json).dump());
-  double seconds = 0.0;  // of the scenarios, without the time of the merge
+  double seconds = 0.0;  // sum over the scenarios, without the time of the merge
   for (const nlohmann::json& scenario : merged_json.at("scenarios"))
     seconds += scenario.at("seconds_wall").get<double>();
   EXPECT_GT(seconds, 0.0);
@@ -122,7 +123,7 @@ TEST_F(Merge, MergedFailuresEqualOneRun) {
   EXPECT_EQ(pictures, 4u);
 }
 
-// Every file that a tune writes is the same to the byte.
+// After a merge, every file of `osteon tune` must be the same to the byte.
 TEST_F(Merge, MergedTuneEqualsOneRun) {
   const std::vector<std::string> command{"tune",      "demo", "--nodes",         "3",
                                          "--threads", "2",    "--stiffest-grip", "4000"};
@@ -195,7 +196,7 @@ TEST_F(Merge, MergedSweepEqualsOneRun) {
     EXPECT_GT(run["peak_force_N"], 1.0);
     hashes.insert(run["hash"].get<std::string>());
   }
-  EXPECT_EQ(hashes.size(), 4u);  // no two runs are alike
+  EXPECT_EQ(hashes.size(), 4u);  // all four runs differ
   ASSERT_EQ(sweep["combinations"].size(), 2u);
   EXPECT_EQ(sweep["combinations"][1]["values"]["coupling.damping_Ns_per_m"], "200");
 }
@@ -222,7 +223,7 @@ TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
   damaged["results"][0]["result"]["difference"]["passed"] = false;
   io::test::WriteAll(folder_.path() / "damaged.json", damaged.dump());
   expect_refused({"damaged.json", files[1]}, "damaged.json: digest: found");
-  // a wrong value in a file whose digest is right
+  // refuses a file with this wrong value, although its digest is right
   const auto refuse_value = [&](const char* key, const nlohmann::json& value, const std::string& text) {
     nlohmann::json other = ReadJson(folder_.path() / files[0]);
     other["results"][0]["result"]["difference"][key] = value;
@@ -234,7 +235,7 @@ TEST_F(Merge, RefusesShardsOfOtherRunsAndNamesTheFile) {
   refuse_value("first_tick", -1,
                "damaged.json: item 1: first_tick: found -1, accepted a whole number from 0 on");
   refuse_value("others", {1}, "damaged.json: item 1: others: found [1], accepted a list of texts");
-  // shards that were run with another commit than the merge
+  // both shards were run with another commit than the merge
   for (const std::string& name : files) {
     nlohmann::json other = ReadJson(folder_.path() / name);
     other["build"] = "commit 0123456";

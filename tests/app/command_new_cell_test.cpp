@@ -60,7 +60,8 @@ TEST_F(NewCellTest, DoesNotOverwriteAFile) {
   EXPECT_NE(unknown.err.find("--from nosuch"), std::string::npos) << unknown.err;
 }
 
-// `--cell mine` without an ending means config/cells/mine.yaml, which does not exist.
+// A name without ending, as in `--cell mine`, means config/cells/mine.yaml. That file does not exist, so the
+// error suggests the user's own file.
 TEST_F(NewCellTest, ABareNameMeansAShippedCellAndTheOwnFileIsSuggested) {
   ASSERT_EQ(RunCommand(folder_.path(), {"new-cell", "mine"}).exit_code, 0);
   const CommandResult run = RunCommand(folder_.path(), {"demo", "--cell", "mine", "--virtual-time"});

@@ -9,7 +9,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// Runs `osteon pack` as a user does: the files it writes, its messages, its refusals.
+// Runs `osteon pack` as a user does, and checks the files it writes, its messages and its refusals.
 
 namespace osteon::app {
 namespace {
@@ -35,7 +35,7 @@ class PackCommand : public testing::Test {
     return run;
   }
 
-  /// Expects exit code 2, a last line on stderr with each of the texts, nothing written.
+  /// Expects exit code 2, no written files, and each of the texts in the last line on stderr.
   void ExpectRefused(std::vector<std::string> arguments, const std::vector<std::string>& texts) {
     std::string line;
     for (const std::string& argument : arguments) line += argument + " ";
@@ -53,7 +53,7 @@ class PackCommand : public testing::Test {
     ExpectNoPart();
   }
 
-  /// Writes a cube of this edge length. @returns the name.
+  /// Writes a mesh of a cube with this edge length. @returns the file's name.
   std::string WriteBox(const std::string& name, double size_m) {
     io::test::WriteAll(Path(name), simulation::ObjText(simulation::MakeBox(Vector3::Constant(-0.5 * size_m),
                                                                            Vector3::Constant(0.5 * size_m))));
@@ -84,10 +84,11 @@ TEST_F(PackCommand, ABallIsPackedWithItsVolumeMassAndInertia) {
   for (const simulation::MassPoint& point : bone.points) volume_m3 += point.volume_m3;
   for (const Ball& ball : bone.balls)
     farthest_m = std::max(farthest_m, Vector3(ball.center_m).norm() + ball.radius_m);
-  // 0.5 % of 4189 mm³, because points sample the solid; spheres exceed it by the protrusion tolerance at most
+  // 0.5 % of the ball's 4189 mm³ are allowed, because points sample the solid. Spheres may exceed the ball's
+  // surface by the protrusion tolerance.
   EXPECT_NEAR(volume_m3 * 1e9, 4.0 / 3.0 * std::numbers::pi * 1000.0, 0.005 * 4189.0);
   EXPECT_LE(farthest_m, 10.05e-3);
-  // closed form of the solid ball: m = ρ V, I = 2/5 m r²
+  // closed form of a solid ball with density ρ, volume V and radius r: mass m = ρ V, inertia I = 2/5 m r²
   const auto& solid = json["against_solid"]["solid"];
   EXPECT_NEAR(solid["mass_g"].get<double>(), 4.18879, 1e-4);
   EXPECT_NEAR(solid["inertia_g_mm2"][1][1].get<double>(), 0.4 * 4.18879 * 100.0, 1e-2);
@@ -124,7 +125,7 @@ TEST_F(PackCommand, DisjointSpheresDoNotOverlap) {
   ASSERT_EQ(balls.size(), 500u);
   for (std::size_t i = 0; i < balls.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      // 1e-3 mm for the rounding of the saved file
+      // spheres may overlap by 1e-3 mm, the rounding of the saved file
       ASSERT_LE(balls[i].radius_m + balls[j].radius_m -
                     (Vector3(balls[i].center_m) - Vector3(balls[j].center_m)).norm(),
                 1e-6);
@@ -155,7 +156,7 @@ TEST_F(PackCommand, AGradeMakesTheInnerSpheresLarger) {
     return radius_mm;
   };
   EXPECT_LE(max_radius_mm("0"), 2.0f);
-  // the radius grows by 0.2 mm per mm of depth, from 2 mm to at most 6 mm in the middle, 20 mm deep
+  // the radius grows from 2 mm by 0.2 mm per mm of depth, up to 6 mm in the middle at 20 mm depth
   const float graded = max_radius_mm("0.2");
   EXPECT_GT(graded, 3.0f);
   EXPECT_LE(graded, 6.0f);
@@ -169,7 +170,7 @@ TEST_F(PackCommand, AConvertedPackingKeepsItsFigures) {
   const nlohmann::json made = ReadJson(Path("out.json")), read = ReadJson(Path("again.json"));
   EXPECT_EQ(read["converted"], true);
   for (const char* key : {"spheres", "points", "mode"}) EXPECT_EQ(made[key], read[key]) << key;
-  // lengths were converted to metres and back
+  // lengths are converted to metres and back, so allow for rounding
   for (const char* key : {"coverage", "surface_gap_mean_mm", "protrusion_max_mm"})
     EXPECT_NEAR(made[key].get<double>(), read[key].get<double>(), 1e-12) << key;
 }
@@ -231,7 +232,7 @@ TEST_F(PackCommand, AWrongFileIsNamedWithTheAcceptedKind) {
   io::test::WriteAll(Path("bad.osp"), "solid cube");
   ExpectRefused({"bad.osp", "-o", "out.ply"}, {"bad.osp: byte 0: found 73 6f 6c", "an STL mesh as text"});
   simulation::TriangleMesh open = simulation::MakeBox(Vector3::Constant(-0.01), Vector3::Constant(0.01));
-  open.triangles.resize(2);  // one face: a sheet bounds no solid
+  open.triangles.resize(2);  // only the two triangles of one face remain: such a sheet bounds no solid
   io::test::WriteAll(Path("sheet.obj"), simulation::ObjText(open));
   ExpectRefused({"sheet.obj", "-o", "out.osp"}, {"sheet.obj", "open edges", "no solid can be made of it"});
   Pack({"ball:10", "-o", "good.osp", "--count", "50", "--no-points"});

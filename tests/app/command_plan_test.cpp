@@ -3,7 +3,7 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// Runs `osteon plan` as a user does. Times depend on this machine: none is compared with a bound.
+// Runs `osteon plan` as a user does. Times depend on this machine, so no test compares them with a bound.
 
 namespace osteon::app {
 namespace {
@@ -38,8 +38,8 @@ TEST(Plan, WritesTheDocumentedKeysAndKeepsThePredictedError) {
   EXPECT_NE(run.out.find("given up           nothing"), std::string::npos) << run.out;
 }
 
-// The goal for a 25 mm reamer at 0.1 mm: a twentieth of the spheres of a bone that is packed uniformly with
-// disjoint spheres, as in the cutting paper.
+// Goal for a 25 mm reamer and an error of 0.1 mm: at most a twentieth of the spheres of a uniform packing
+// with disjoint spheres, as in the cutting paper.
 TEST(Plan, NeedsATwentiethOfTheSpheresOfAUniformPacking) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(
@@ -52,7 +52,8 @@ TEST(Plan, NeedsATwentiethOfTheSpheresOfAUniformPacking) {
   EXPECT_NE(run.out.find("and disjoint"), std::string::npos) << run.out;
 }
 
-// No machine computes 100 000 frames a second: the plan keeps the error and says that it misses the rate.
+// No machine computes 100 000 frames per second. The plan must keep the error and say that it misses the
+// rate.
 TEST(Plan, SaysThatItMissesTheRate) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"plan", "thin_plate", "--error-mm", "0.08",
@@ -68,7 +69,7 @@ TEST(Plan, SaysThatItMissesTheRate) {
   EXPECT_NE(run.out.find("given up           rate: "), std::string::npos) << run.out;
 }
 
-// A mesh in place of a scene; its block has the size of the one in the scene thin_plate.
+// A mesh replaces the scene. It is a block of the same size as in the scene thin_plate.
 TEST(Plan, PlansAMesh) {
   const TemporaryFolder folder;
   io::test::WriteAll(folder.path() / "plate.stl",

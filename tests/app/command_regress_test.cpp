@@ -23,7 +23,7 @@ class Regress : public testing::Test {
     EXPECT_EQ(run.exit_code, exit_code) << run.out << run.err;
     return ReadJson(folder_.path() / "r.json");
   }
-  /// Writes a short scenario, with more lines at its end, into this test's folder. @returns its name.
+  /// Writes a short scenario into this test's folder. `more` is appended to its text. @returns its name.
   std::string WriteScenario(const std::string& more = "") {
     io::test::WriteAll(folder_.path() / "own.yaml",
                        "shows: a short push\ncell: " OSTEON_SOURCE_DIR
@@ -56,7 +56,7 @@ TEST_F(Regress, AllShippedScenariosPass) {
 
 TEST_F(Regress, ARunIsBitIdenticalWhateverRunsBesideIt) {
   const std::vector<std::string> some{"wall_reamer", "packet_loss", "drilling_lbr", "wall_kr"};
-  // the scenarios' hashes, with this number of them at once
+  // the hash of each scenario, if so many scenarios run at the same time
   const auto hashes = [&](const std::string& jobs) {
     std::vector<std::string> arguments = some;
     arguments.insert(arguments.end(), {"--jobs", jobs});
@@ -70,7 +70,8 @@ TEST_F(Regress, ARunIsBitIdenticalWhateverRunsBesideIt) {
   EXPECT_EQ(alone, together);
 }
 
-// Follows one scenario: without a golden trace, accepted with a reason, unchanged, changed, accepted again.
+// One scenario in five steps: it has no golden trace, is accepted with a reason, is unchanged, changes, and
+// is accepted again.
 TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   WriteScenario();
   const CommandResult none = Run({"own.yaml"});
@@ -90,11 +91,12 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_NE(first->head.reasons[0].find(": the first"), std::string::npos);
   EXPECT_NE(first->head.reasons[0].find(" commit "), std::string::npos);
   EXPECT_TRUE(first->head.reasons[0].starts_with("20"));
-  std::filesystem::remove_all(folder_.path() / "regress_out");  // the page about the missing trace
+  // removes the page that reports the missing trace
+  std::filesystem::remove_all(folder_.path() / "regress_out");
   EXPECT_EQ(RunWithJson({"own.yaml", "--exact"}, 0)["scenarios"][0]["identical"], true);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out")) << "nothing to show";
 
-  // a scenario that passes is not rewritten
+  // the golden trace of a scenario that passes is not rewritten
   EXPECT_EQ(Run({"own.yaml", "--update", "--reason", "in vain"}).exit_code, 0);
   EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 1u);
 
@@ -106,7 +108,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
       differs["scenarios"][0]["explained"].dump().find("files changed since the golden trace: own.yaml"),
       std::string::npos);
   EXPECT_NE(io::test::ReadAll(folder_.path() / "r.xml").find("<failure"), std::string::npos);
-  // a recording of the differing run can be watched
+  // the run that differs was recorded, so that a user can watch it
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "regress_out/own.mcap"));
   EXPECT_NE(differs["scenarios"][0]["explained"].dump().find("osteon view regress_out/own.mcap"),
             std::string::npos);
@@ -118,7 +120,8 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/regress.html")) << "no longer true";
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "regress_out/own.mcap")) << "nothing to watch";
 
-  // a file that has changed without effect is not blamed for a later difference
+  // a file changes without an effect on the run; the update stores the file's new checksum, so that a later
+  // difference is not attributed to it
   io::test::WriteAll(folder_.path() / "own.yaml",
                      io::test::ReadAll(folder_.path() / "own.yaml") + "# a remark\n");
   const CommandResult remark = Run({"own.yaml", "--update", "--reason", "a remark"});
@@ -134,7 +137,7 @@ TEST_F(Regress, AChangeIsAcceptedWithAReason) {
   EXPECT_EQ(studies::ReadGolden(OwnGolden())->head.reasons.size(), 3u);
 }
 
-// In virtual time a run ends before 40 s if the arm stays silent from 0.1 s on.
+// If the arm is silent from 0.1 s on, the run must end within 40 s of virtual time.
 TEST_F(Regress, AnArmThatStaysSilentEndsTheRun) {
   WriteScenario(
       "  injections: [{wire: arm, direction: both, from_s: 0.1, to_s: 9999, silence: true}]\nrecovery_count: "
@@ -144,7 +147,7 @@ TEST_F(Regress, AnArmThatStaysSilentEndsTheRun) {
   EXPECT_LT(json["scenarios"][0]["seconds_simulated"], 40.0);
 }
 
-// A small change in a cell's file, which the comparison with the golden trace must detect.
+// A small change of a cell's file. The comparison with the golden trace must detect it.
 struct Mutation {
   const char *scenario, *set;
 };
@@ -165,24 +168,24 @@ TEST_P(RegressSees, ASmallChangeAndExplainsIt) {
 INSTANTIATE_TEST_SUITE_P(
     Mutations, RegressSees,
     testing::Values(
-        // stiffness or damping by 1 %
+        // a change of stiffness or damping by 1 %
         Mutation{"wall_reamer", "coupling.stiffness_N_per_mm=20.2"},
         Mutation{"wall_drill", "coupling.stiffness_N_per_mm=20.2"},
         Mutation{"wall_impedance_wrench", "coupling.stiffness_N_per_mm=10.1"},
         Mutation{"wall_impedance_torque", "coupling.stiffness_N_per_mm=10.1"},
         Mutation{"wall_kr", "coupling.stiffness_N_per_mm=40.4"},
         Mutation{"wall_reamer", "admittance.damping_Ns_per_m=[30, 30, 30.3]"},
-        // a frame by 0.1° or 0.1 mm
+        // a change of a pose by 0.1° or 0.1 mm
         Mutation{"wall_reamer", "base_in_world.rpy_deg=[0, 0, 0.1]"},
         Mutation{"wall_kr", "tool.mounting.position_mm=[0, 0, 0.1]"},
-        // a delay by one tick
+        // a change of a delay by one tick
         Mutation{"wall_reamer", "simulated_arm.dead_time_ms=4"},
         Mutation{"wall_kr", "simulated_arm.dead_time_ms=12"},
         Mutation{
             "wall_reamer",
             "injections=[{wire: force_sensor, direction: to_controller, from_s: 0, to_s: 9, delay_ms: 1}]"},
         Mutation{"sensor_silent", "watchdog.sensor_stop_ms=101"},
-        // the tool's diameter by 1 mm, the spheres' largest radius by 1 %
+        // a change of the tool's diameter by 1 mm, and of the spheres' largest radius by 1 %
         Mutation{"wall_reamer", "tool_diameter_mm=51"},
         Mutation{"molar", "scene.packing.cup_radius_cap_mm=0.4545"},
         Mutation{"reaming_lbr", "scene.packing.cup_radius_cap_mm=2.97"}));
@@ -207,7 +210,7 @@ TEST_F(Regress, WrongInputIsRefusedBeforeAnythingRuns) {
   expect_refused({"wall_reamer", "--set", "limits.max_force_N=900"},
                  {"--set limits.max_force_N=900: max_force_N: found 900"});
   expect_refused({"wall_reamer", "--set", "nothing"}, {"KEY=VALUE"});
-  // a value that the cell's own lines forbid is reported together with the overrides
+  // if an override conflicts with a line of the cell's file, the error names that line and the override
   expect_refused({"wall_reamer", "--set", "script.push_force_N=300"},
                  {"demo.yaml:", "max_force_N: found 150", "(with --set script.push_force_N=300)"});
   expect_refused({"wall_reamer", "--jobs", "-1"}, {"--jobs"});

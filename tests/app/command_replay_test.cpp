@@ -6,14 +6,15 @@
 #include "tests/app/command.h"
 #include "tests/app/recorded_run.h"
 
-// Tests `osteon replay`: runs the controller again on its recorded inputs.
+// Tests `osteon replay`, which runs the controller again on the inputs of a recording.
 
 namespace osteon::app {
 namespace {
 
 class ReplayCommandTest : public RecordedRun {
  protected:
-  /// Replays a recording. @returns the JSON of --json; `code_` is the exit code, `out_` the printed text.
+  /// Replays a recording. @returns the JSON of --json. Sets `code_` to the exit code and `out_` to the
+  /// printed text.
   nlohmann::json Replay(const std::filesystem::path& recording, std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"replay", recording.string(), "--json", "replay.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -29,7 +30,8 @@ class ReplayCommandTest : public RecordedRun {
     const std::uintmax_t size = std::filesystem::file_size(path, none);
     return none ? 0 : size;
   }
-  // A tick in the middle of cutting, in which all parts of the loop are active.
+  // A tick in the second half of the run whose coupling force exceeds 1 N, so that all parts of the loop are
+  // active.
   static std::size_t BusyTick() {
     for (std::size_t i = recording_->ticks.size() / 2; i < recording_->ticks.size(); ++i)
       if (Vector3(recording_->ticks[i].F_coupling_T_W.f).norm() > 1.0) return i;
@@ -54,7 +56,7 @@ TEST_F(ReplayCommandTest, ReplayIsIdenticalBitForBit) {
   EXPECT_NE(out_.find("identical, bit for bit"), std::string::npos) << out_;
 }
 
-// The tests below change a copy of the recording; an unchanged copy must replay as the recording does.
+// The tests below change copies of the recording. Therefore an unchanged copy must replay identically.
 TEST_F(ReplayCommandTest, ARewrittenRecordingReplaysIdentically) {
   Replay(Write(*recording_));
   EXPECT_EQ(code_, 0) << "else the tests below would show nothing";
@@ -71,14 +73,14 @@ TEST_F(ReplayCommandTest, DetectsOneChangedBitOfOneReading) {
   EXPECT_EQ(json.at("ticks"), recording_->ticks.size());
   const nlohmann::json& difference = json.at("first_difference");
   EXPECT_EQ(difference.at("tick"), changed.ticks[at].tick);
-  // the last bit of a force changes the last bits of its consequences in the same tick
+  // the last bit of a force was changed, so the results of the same tick differ, but only by rounding
   const double recorded = difference.at("recorded"), replayed = difference.at("replayed");
   EXPECT_NE(recorded, replayed);
   EXPECT_NEAR(recorded, replayed, 1e-9);
   EXPECT_NE(out_.find(difference.at("field").get<std::string>()), std::string::npos) << out_;
 }
 
-// Shifts all contacts of one model by 1 um: the first ticks that used this model must differ.
+// Shifts all contacts of one model by 1 um. The first tick that used this model must differ.
 TEST_F(ReplayCommandTest, DetectsAShiftedContact) {
   io::Recording changed = *recording_;
   const control::TickRecord& seen = changed.ticks[BusyTick()];
@@ -122,7 +124,7 @@ TEST_F(ReplayCommandTest, DetectsAChangedGain) {
   EXPECT_GT(json.at("different_ticks").get<std::uint64_t>(), 1000u);
 }
 
-// The recorded cell is molar, so a replay with the demo cell must differ.
+// The recording is of the cell molar, so a replay with the demo cell must differ.
 TEST_F(ReplayCommandTest, ReplaysWithAGivenCellInsteadOfTheRecordedOne) {
   Replay(Original(), {"--cell", OSTEON_SOURCE_DIR "/config/cells/molar.yaml"});
   EXPECT_EQ(code_, 0);
@@ -159,11 +161,11 @@ TEST_F(ReplayCommandTest, SaysWhyTicksWereNotReplayed) {
   EXPECT_NE(json.at("not_run_reason").get<std::string>().find("not recorded yet"), std::string::npos);
 }
 
-// The recording contains its configuration files: it replays after their folder was deleted.
+// The recording contains its configuration files, so it can be replayed after their folder was deleted.
 TEST_F(ReplayCommandTest, NeedsNothingButTheRecording) {
   const auto root = folder_.path() / "config";
   std::filesystem::copy(OSTEON_SOURCE_DIR "/config", root, std::filesystem::copy_options::recursive);
-  // a cell with its robot by an absolute path, a tool that is a mesh and a scene with a density image
+  // the cell names its robot by an absolute path, its tool is a mesh, and its scene has a density image
   std::string cell = io::test::ReadAll(root / "cells/demo.yaml");
   const auto replace = [&](const std::string& from, const std::string& to) {
     ASSERT_NE(cell.find(from), std::string::npos) << from;
@@ -213,8 +215,8 @@ TEST_F(ReplayCommandTest, RefusesInvalidRecordedConfigurations) {
       << unknown.err;
 }
 
-// The run has threads and sockets and is stopped by Ctrl-C. On a busy machine it may end earlier with a
-// fault; the recording must replay in this case too.
+// The run has threads and sockets, and Ctrl-C stops it. On a busy machine it may end earlier with a fault;
+// the recording must replay in this case as well.
 TEST_F(ReplayCommandTest, ARunInWallTimeReplaysIdentically) {
   Command demo(folder_.path(), {"demo", "--seconds", "60", "--port", "0", "--out", "wall"});
   const auto path = folder_.path() / "wall/recording.mcap";
@@ -228,7 +230,7 @@ TEST_F(ReplayCommandTest, ARunInWallTimeReplaysIdentically) {
   EXPECT_GT(json.at("ticks").get<std::uint64_t>(), 100u);
 }
 
-// A recording of a killed run replays, both as it is and after its recovery.
+// The recording of a killed run can be replayed, both as it was left and after its repair.
 TEST_F(ReplayCommandTest, AKilledRunReplaysIdenticallyUpToItsEnd) {
   Command demo(folder_.path(), {"demo", "--virtual-time", "--seconds", "3600", "--out", "killed"});
   const auto path = folder_.path() / "killed/recording.mcap";

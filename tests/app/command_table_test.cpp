@@ -11,7 +11,7 @@
 #include "app/cli/usage/usage.h"
 #include "base/text.h"
 
-// Tests help, manual and synopsis, which are generated from a CLI::App, on a small application.
+// Tests help, manual and synopsis on a small application. All three are generated from a CLI::App.
 
 namespace osteon::app {
 namespace {
@@ -41,7 +41,7 @@ class CommandTable : public testing::Test {
   double number_{0.0};
 };
 
-// The option with this (long) name, which must exist.
+// The option with this long name. It must exist.
 const OptionText& Named(const CommandText& command, const std::string& name) {
   const auto at =
       std::ranges::find(command.options, name, [](const OptionText& o) { return o.names.back(); });

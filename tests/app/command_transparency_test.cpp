@@ -21,7 +21,8 @@ TEST(Transparency, WritesTheDocumentedKeysAndFindsMoreMassThanTheLaws) {
   EXPECT_EQ(json.at("schema"), "osteon.transparency/1");
   EXPECT_FALSE(json.at("fault").get<bool>());
   EXPECT_EQ(json.at("points").size(), 7u * 6u) << "six directions in free motion, one in contact";
-  // the demo's law: 1.7 kg, 30 N s/m. The arm lags by some 25 ms, so that 30 N s/m of drag add 0.75 kg
+  // the demo's law has 1.7 kg and 30 N s/m. The arm lags by about 25 ms, so the drag of 30 N s/m adds 0.75 kg
+  // to the felt mass
   EXPECT_GT(json.at("apparent_mass_kg").get<double>(), 2.1);
   EXPECT_LT(json.at("apparent_mass_kg").get<double>(), 2.7);
   EXPECT_NEAR(json.at("drag_Ns_per_m").get<double>(), 30.0, 3.0);

@@ -27,7 +27,7 @@ TEST(Tune, WritesTheDocumentedKeysAndGainsThatTheCellAccepts) {
     ASSERT_TRUE(std::filesystem::is_regular_file(out / name)) << name;
     EXPECT_GT(std::filesystem::file_size(out / name), 100u) << name;
   }
-  // the legend has each name once, also that of walls of which only a lower bound is known
+  // the legend must have each name once, even if some walls are only known as lower bounds
   const std::string svg = io::test::ReadAll(out / "tune_width.svg");
   for (const std::string name : {">simulated<", ">with commands lost and late<", ">at least so much:"}) {
     const std::size_t at = svg.find(name);
@@ -61,7 +61,7 @@ TEST(Tune, WritesTheDocumentedKeysAndGainsThatTheCellAccepts) {
   EXPECT_EQ(cell.servo.admittance.mass_kg.z(), recommended.at("mass_kg").get<double>());
   EXPECT_EQ(cell.servo.admittance.damping_Ns_per_m.x(), recommended.at("damping_Ns_per_m").get<double>());
 
-  // the second time nothing is computed anew, and the result is the same
+  // the second call computes nothing anew and gives the same result
   const CommandResult again = RunCommand(folder.path(), kSmall);
   ASSERT_EQ(again.exit_code, 0) << again.err;
   nlohmann::json same = ReadJson(out / "tune.json"), before = json;
@@ -84,8 +84,8 @@ TEST(Tune, RecommendsNothingIfNoGainsAreStable) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "t/gains.yaml"));
 }
 
-// Without --jitter-ms, the assumed jitter is one period of the cell: here 4 ms, over RSI. The name of a
-// cell may end with .yaml.
+// Without --jitter-ms, the jitter is assumed to be one period of the cell, here 4 ms (RSI). A cell's name may
+// end in .yaml.
 TEST(Tune, AssumesAJitterOfOnePeriodOfTheCell) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"tune", "kr_16_thin_plate.yaml", "--nodes", "4"});
@@ -93,7 +93,7 @@ TEST(Tune, AssumesAJitterOfOnePeriodOfTheCell) {
   EXPECT_EQ(ReadJson(folder.path() / "tune/tune.json").at("stands").at("jitter_ms"), 4.0);
 }
 
-// Figures, response and hands from a file of `osteon identify` replace the assumed ones.
+// Figures, response and hands from a file of `osteon identify` replace assumed values.
 TEST(Tune, UsesMeasuredFiguresAndRefusesThoseOfAnotherCell) {
   const TemporaryFolder folder;
   const config::CellConfig demo =
@@ -118,7 +118,7 @@ TEST(Tune, UsesMeasuredFiguresAndRefusesThoseOfAnotherCell) {
   }
   EXPECT_GT(recommended, 60) << "each hand and contact";
   EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "t/tune_nyquist.svg"));
-  // the key `identified` of a cell does the same
+  // the key `identified` in a cell's file has the same effect as the option
   std::ofstream(folder.path() / "mine.yaml") << "identified: identified.yaml\n" << config::CellText("demo");
   const config::CellConfig mine = config::LoadCell(folder.path() / "mine.yaml");
   EXPECT_EQ(mine.simulated.servo.bandwidth_hz, 14.0);

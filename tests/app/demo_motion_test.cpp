@@ -10,7 +10,7 @@
 #include "tests/app/command.h"
 #include "tests/app/short_run.h"
 
-// Tests the motion that a demo saves, and the events of a scene, with demos in virtual time.
+// Tests the motion file that a demo saves, and the events of a scene. The demos run in virtual time.
 
 namespace osteon::app {
 namespace {
@@ -44,7 +44,8 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
     if (tick.phase != control::Phase::kHaptic) continue;
     if (ticks++ == 0) start = tick.stamp;
     const Pose X_GT = X_GW * Pose(tick.X_WT_cmd), found = curve.X_GT(rt::ToSeconds(tick.stamp - start));
-    const Vector3 lever(0, 0, -0.1);  // a point 100 mm from the apex, where a wrong rotation shows
+    // a point 100 mm from the apex, at which a wrong rotation becomes visible
+    const Vector3 lever(0, 0, -0.1);
     worst_m = std::max(worst_m, (found.translation() - X_GT.translation()).norm());
     worst_lever_m = std::max(worst_lever_m, (found * lever - X_GT * lever).norm());
     if (ticks > 1) path_m += (X_GT.translation() - last).norm();
@@ -59,7 +60,7 @@ TEST(VirtualDemo, SavesTheCommandedMotionToFiveMicrometres) {
               motion->samples.size(), io::test::ReadAll(folder.path() / "motion.csv").size(), worst_m * 1e6,
               worst_lever_m * 1e6);
 
-  // no event happened; the thinnest wall is half the block's width, 40 mm, minus the reamer's radius
+  // no event happened. The thinnest wall is half the block's width (40 mm) minus the reamer's radius
   const nlohmann::json summary = ReadJson(folder.path() / "a/b/summary.json");
   EXPECT_TRUE(summary.at("events").empty());
   EXPECT_NEAR(summary.at("least_wall_mm").get<double>(), 40.0 - 25.0, 1.0);
@@ -81,7 +82,7 @@ TEST(SavedMotion, NamesAFolderThatDoesNotExist) {
   EXPECT_FALSE(fs::exists(folder.path() / "demo_out"));
 }
 
-// Copies config/ and replaces a text, which must be there, in one scene's file.
+// Copies config/ and replaces a text in the file of one scene. The text must occur there.
 void CopyConfig(const fs::path& to, const std::string& scene, const std::string& from_text,
                 const std::string& to_text) {
   fs::copy(kConfig, to, fs::copy_options::recursive);
@@ -94,7 +95,7 @@ void CopyConfig(const fs::path& to, const std::string& scene, const std::string&
 
 TEST(DemoEvents, BothEnginesReportTheSameEvent) {
   const TemporaryFolder folder;
-  // a limit above the thickness beside the cup: an event at the first cut
+  // the limit exceeds the wall's thickness beside the cup, so the first cut raises an event
   CopyConfig(folder.path() / "config", "acetabulum", "min_wall_mm: 2 ", "min_wall_mm: 20 ");
   nlohmann::json summaries[2];
   for (const int i : {0, 1}) {
@@ -106,7 +107,7 @@ TEST(DemoEvents, BothEnginesReportTheSameEvent) {
     EXPECT_NE(run.out.find("wall too thin at "), std::string::npos) << run.out;
     summaries[i] = ReadJson(folder.path() / engine / "summary.json");
 
-    // the event is in the recording and in the report as well
+    // recording and report contain the event as well
     const io::Recording recording = ReadComplete(folder.path() / engine / "recording.mcap");
     const auto event = std::ranges::find_if(
         recording.events, [](const io::RecordedEvent& e) { return e.text.starts_with("wall too thin: "); });
@@ -121,7 +122,7 @@ TEST(DemoEvents, BothEnginesReportTheSameEvent) {
     EXPECT_EQ(summary.at("events")[0].at("name"), "wall too thin");
     EXPECT_EQ(summary.at("events")[0].at("unit"), "mm");
   }
-  // tolerances: one frame of 2 ms, and the proxy's place in single precision
+  // tolerances: the duration of a frame (2 ms), and single precision of the proxy's position
   EXPECT_NEAR(summaries[0].at("events")[0].at("time_s").get<double>(),
               summaries[1].at("events")[0].at("time_s").get<double>(), 0.010);
   EXPECT_NEAR(summaries[0].at("events")[0].at("value").get<double>(),

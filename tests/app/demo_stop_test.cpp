@@ -9,7 +9,7 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// The demo in wall time, and its stop by Ctrl-C. No test asserts how fast this machine is.
+// The demo in wall time, stopped by Ctrl-C. No test asserts how fast this machine is.
 
 namespace osteon::app {
 namespace {
@@ -19,7 +19,8 @@ using control::Phase;
 // Commanded speed of the tool's apex, in m/s.
 double SpeedOf(const control::TickRecord& tick) { return Vector3(tick.v_WT_cmd_m_per_s).norm(); }
 
-// Expects that the commanded speed only falls after the request to stop, until the recording ends at rest.
+// Expects that after the request to stop the commanded speed only decreases, and that the recording ends at
+// rest.
 void ExpectOrderlyStop(const io::Recording& recording) {
   ASSERT_FALSE(recording.ticks.empty());
   const auto is_stopping = [](const control::TickRecord& t) { return t.phase == Phase::kStopping; };
@@ -28,7 +29,7 @@ void ExpectOrderlyStop(const io::Recording& recording) {
   double speed = std::prev(first)->phase == Phase::kHaptic ? SpeedOf(*std::prev(first)) : 0.0;
   for (auto tick = first; tick != recording.ticks.end(); ++tick) {
     EXPECT_TRUE(tick->phase == Phase::kStopping || tick->phase == Phase::kStopped) << "tick " << tick->tick;
-    // 1 um/s: the apex's velocity is a difference of poses over a millisecond
+    // a tolerance of 1 um/s, because the apex's velocity is the difference of two poses over a millisecond
     EXPECT_LE(SpeedOf(*tick), speed + 1e-6) << "tick " << tick->tick;
     speed = SpeedOf(*tick);
   }
@@ -36,7 +37,7 @@ void ExpectOrderlyStop(const io::Recording& recording) {
   EXPECT_LT(speed, 1e-6);
 }
 
-// Expects exit code 130, and a summary, recording and report of an orderly stop without faults.
+// Expects exit code 130, and that summary, recording and report show an orderly stop without faults.
 void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& out) {
   EXPECT_EQ(run.exit_code, 130) << run.err;
   const nlohmann::json summary = ReadJson(out / "summary.json");
@@ -49,7 +50,7 @@ void ExpectInterrupted(const CommandResult& run, const std::filesystem::path& ou
   EXPECT_NE(io::test::ReadAll(out / "report.html").find("</html>"), std::string::npos);
 }
 
-// Bytes of a recording in which the tool already moves: 1 s of ticks, each about 0.75 kB with its frame.
+// Size of a recording in which the tool already moves: after 1 s of ticks, each about 0.75 kB with its frame.
 constexpr std::uintmax_t kSomeBytes = 750'000;
 
 // Size of a running demo's recording so far.
@@ -65,7 +66,7 @@ TEST(WallDemo, RunsOverUdpToItsEndOrReportsAStall) {
   const CommandResult run = RunCommand(folder.path(), {"demo", "--seconds", "1", "--port", "0"});
   const nlohmann::json summary = ReadJson(folder.path() / "demo_out/summary.json");
   EXPECT_EQ(summary.at("virtual_time"), false);
-  // a busy machine may stall the loop, which must then report that as a fault
+  // a busy machine may stall the loop; the run must then report that as a fault
   if (run.exit_code == 0) {
     EXPECT_TRUE(summary.at("faults").empty()) << summary.dump(2);
   } else {
@@ -88,7 +89,7 @@ TEST(WallDemo, RunsOverUdpToItsEndOrReportsAStall) {
 }
 
 TEST(WallDemo, StopsInOrderAtCtrlC) {
-  // a busy machine may stall the loop, which then stops itself: such a run decides nothing
+  // a busy machine may stall the loop, which then stops by itself; such a run is repeated
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -114,9 +115,9 @@ TEST(VirtualDemo, StopsInOrderAtCtrlC) {
   const TemporaryFolder folder;
   Command demo(folder.path(), {"demo", "--virtual-time", "--seconds", "600"});
   ASSERT_TRUE(demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; })) << demo.Err();
-  demo.Send(SIGTERM);  // a service manager's signal counts as Ctrl-C
+  demo.Send(SIGTERM);  // a service manager's signal, which must have the effect of Ctrl-C
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  demo.Send(SIGTERM);  // `timeout` sends it twice
+  demo.Send(SIGTERM);  // once more, because `timeout` sends the signal twice
   ExpectInterrupted(demo.Wait(), folder.path() / "demo_out");
 }
 

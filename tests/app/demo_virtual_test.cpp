@@ -9,15 +9,15 @@
 #include "tests/app/command.h"
 #include "tests/app/short_run.h"
 
-// The demo in virtual time: its files, and whether their contents agree with each other.
+// The demo in virtual time: tests its files, and whether their contents agree with each other.
 
 namespace osteon::app {
 namespace {
 
-// Size of the rendered force on the tool, in N.
+// Magnitude of the rendered force on the tool, in N.
 double ForceOf(const control::TickRecord& tick) { return Vector3(tick.F_coupling_T_W.f).norm(); }
 
-// Expects every key that the documents promise for the demo's summary, with its type.
+// Expects that the summary has every key that the documentation promises, with the documented type.
 void ExpectDocumentedKeys(const nlohmann::json& summary) {
   EXPECT_EQ(summary.at("schema"), "osteon.demo/1");
   for (const char* key : {"engine", "device", "recording", "scene", "tool", "state_hash", "ended", "version"})
@@ -30,13 +30,14 @@ void ExpectDocumentedKeys(const nlohmann::json& summary) {
   EXPECT_TRUE(summary.at("faults").is_array());
 }
 
-// Expects that no tick exceeds the force limit, and that the summary's peak is the recording's.
+// Expects that no tick exceeds the force limit, and that the summary and the recording have the same peak
+// force.
 void ExpectForceWithinLimit(const nlohmann::json& summary, const io::Recording& recording) {
   const double limit_N = summary.at("force_limit_N");
   EXPECT_EQ(limit_N, recording.session.force_limit_N);
   double peak_N = 0.0;
   for (const control::TickRecord& tick : recording.ticks) peak_N = std::max(peak_N, ForceOf(tick));
-  // the limiter scales a vector: one rounding in each component
+  // the limiter multiplies a vector by a factor, which rounds each component once
   EXPECT_LE(peak_N, limit_N * (1.0 + 1e-12));
   EXPECT_NEAR(summary.at("peak_force_N").get<double>(), peak_N, 1e-9);
   EXPECT_LE(summary.at("peak_force_N").get<double>(), limit_N * (1.0 + 1e-12));
@@ -70,7 +71,7 @@ TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
   EXPECT_EQ(summary.at("ended"), "completed");
   EXPECT_TRUE(summary.at("faults").empty());
   EXPECT_NEAR(summary.at("servo_rate_hz").get<double>(), 1000.0, 1e-3);
-  EXPECT_NEAR(summary.at("seconds").get<double>(), 1.5, 0.2);  // plus the ordered stop
+  EXPECT_NEAR(summary.at("seconds").get<double>(), 1.5, 0.2);  // 1.5 s and the time of the orderly stop
   EXPECT_EQ(ReadJson(folder.path() / "copy.json"), summary);
 
   const io::Recording recording = ReadComplete(out / "recording.mcap");
@@ -81,7 +82,8 @@ TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
 
   const std::string page = io::test::ReadAll(out / "report.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
-  // nothing is fetched: the only address is SVG's namespace, and pictures are embedded
+  // the page loads nothing from a network: its only address is the namespace of SVG, and its pictures are
+  // embedded
   const std::string svg = "http://www.w3.org/2000/svg";
   for (std::size_t at = page.find("://"); at != std::string::npos; at = page.find("://", at + 1))
     EXPECT_EQ(page.substr(at - std::min(at, std::size_t{4}), svg.size()), svg) << "at byte " << at;
@@ -93,7 +95,7 @@ TEST(VirtualDemo, WritesSummaryRecordingAndReportThatAgree) {
   EXPECT_EQ(files, 5u) << "beside these a page and a table of the run's end, and nothing else";
 }
 
-// Acceptance limits of the whole demo, on the engine that `--engine auto` selects on this machine.
+// Acceptance limits of the whole demo, with the engine that `--engine auto` selects on this machine.
 TEST(VirtualDemo, ReamsTheWholeCup) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"demo", "--virtual-time"});
@@ -107,18 +109,18 @@ TEST(VirtualDemo, ReamsTheWholeCup) {
   EXPECT_NEAR(removed_mm3, swept_mm3, 0.05 * swept_mm3);
   EXPECT_GE(summary.at("cup_depth_mm").get<double>(), 1.0);
   EXPECT_LE(summary.at("cavity_error_mean_mm").get<double>(), 0.3);
-  // lockstep: a frame in every second tick, whatever the machine
+  // in lockstep every second tick has a frame, however fast the machine is
   EXPECT_NEAR(summary.at("simulation_rate_hz").get<double>(), 500.0, 1e-6);
-  // the density of bone is between that of cancellous and cortical bone
+  // the mean density must lie between those of cancellous and cortical bone
   const double density_g_per_cm3 = summary.at("removed_mass_g").get<double>() / removed_mm3 * 1e3;
   EXPECT_GT(density_g_per_cm3, 0.3);
   EXPECT_LT(density_g_per_cm3, 1.85);
   ExpectForceWithinLimit(summary, ReadComplete(folder.path() / "demo_out/recording.mcap"));
 }
 
-// The same run on each engine: Vulkan agrees with the reference engine within rounding, the CPU engine to the
-// bit. 1.5 s are enough: the tool touches after 0.5 s and reaches its peak force in the first second. The
-// suite's short run is reused for its engine.
+// Runs the same demo on each engine. Vulkan must agree with the reference engine within rounding, the CPU
+// engine to the bit. 1.5 s are enough: the tool touches the bone after 0.5 s, and its force peaks in the
+// first second. For its own engine, the suite's short run is reused.
 TEST(VirtualDemo, EachEngineAgreesWithTheReferenceEngine) {
   const TemporaryFolder folder;
   ASSERT_EQ(SharedShortRun().run.exit_code, 0) << SharedShortRun().run.err;
@@ -145,15 +147,15 @@ TEST(VirtualDemo, EachEngineAgreesWithTheReferenceEngine) {
   EXPECT_NEAR(summaries[0].at("removed_volume_mm3").get<double>(), reference_mm3, 0.05 * reference_mm3);
   EXPECT_NEAR(summaries[0].at("cup_depth_mm").get<double>(), summaries[1].at("cup_depth_mm").get<double>(),
               0.05);
-  // arm and hand are the same, so the forces agree, up to single precision in the contact
+  // both runs have the same arm and hand, so the forces agree, up to the single precision of the contacts
   EXPECT_NEAR(summaries[0].at("peak_force_N").get<double>(), summaries[1].at("peak_force_N").get<double>(),
               5.0);
   for (const char* key : {"state_hash", "removed_volume_mm3", "peak_force_N", "cup_depth_mm"})
     EXPECT_EQ(summaries[2].at(key), summaries[1].at(key)) << key;
 }
 
-// A file-size limit, which the program inherits, stands in for a full disk. The command must fail, but not by
-// blaming its input.
+// A limit on file sizes, which the program inherits, has the effect of a full disk. The command must fail
+// without blaming its input.
 TEST(VirtualDemo, FailsOnAFullDisk) {
   const TemporaryFolder folder;
   rlimit before{};

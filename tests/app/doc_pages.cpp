@@ -10,7 +10,7 @@
 namespace osteon::app {
 namespace {
 
-// Whether a folder holds hidden files, a build or the output of a run instead of pages.
+// Whether a folder contains no pages, because it is hidden, a build, or the output of a run.
 bool Skipped(const std::filesystem::path& folder) {
   const std::string name = folder.filename().string();
   return name.starts_with(".") || name == "build" || name.ends_with("out");
@@ -21,8 +21,8 @@ std::string Trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// The command "osteon …" at the beginning of a text, without the launcher's path and a comment; empty if the
-// text begins otherwise or is output of osteon ("osteon run: …").
+// The command "osteon …" at the beginning of a text, without the launcher's path and without a comment. Empty
+// if the text does not begin with a command, or if it is output of osteon ("osteon run: …").
 std::string CommandOf(std::string text) {
   text = Trimmed(text);
   for (const std::string place : {"./", "osteon/"})
@@ -34,7 +34,7 @@ std::string CommandOf(std::string text) {
   return std::regex_match(text, output) ? std::string() : text;
 }
 
-// Appends the text's command, if it is one that names a subcommand.
+// Appends the text's command if there is one and it names a subcommand.
 void AddCommand(std::vector<DocCommand>& commands, std::size_t line, const std::string& text, bool own_line) {
   DocCommand command{.line = line, .text = CommandOf(text), .words = {}, .own_line = own_line};
   if (command.text.empty()) return;
@@ -61,7 +61,7 @@ DocPage ReadPage(const std::filesystem::path& root, const std::string& path) {
       after_text = false;
       continue;
     }
-    // four spaces begin a block, unless they continue a paragraph
+    // four spaces begin a code block, unless the line continues a paragraph
     const bool indented = !fenced && text.starts_with("    ") && !after_text;
     page.lines.push_back({.text = text, .code = fenced || indented, .language = language});
     after_text = !trimmed.empty() && !fenced && !indented;
@@ -136,7 +136,7 @@ std::vector<std::string> PagesWithCommands(const std::filesystem::path& root) {
   for (const DocPage& page : DocPages(root)) {
     if (page.path != "README.md" && !page.path.starts_with("docs/")) continue;
     if (page.path == "docs/commands.md")
-      continue;  // written by the command; its examples are those of --help
+      continue;  // the command generates this page; its examples are those of --help
     const std::vector<DocCommand> commands = Commands(page);
     if (std::ranges::any_of(commands, &DocCommand::own_line)) paths.push_back(page.path);
   }

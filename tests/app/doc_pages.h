@@ -6,20 +6,21 @@
 #include <string>
 #include <vector>
 
-// Reads the project's Markdown pages, as far as tests need: links, headings, commands, blocks marked `diff`.
+// Reads what tests need from the project's Markdown pages: links, headings, commands, and blocks marked
+// `diff`.
 
 namespace osteon::app {
 
-/// A line of a page.
+/// One line of a page.
 struct DocLine {
   std::string text;
-  bool code{false};      ///< in a fenced or indented block
-  std::string language;  ///< of the fence
+  bool code{false};      ///< whether the line is in a fenced or indented block
+  std::string language;  ///< language of the fenced block
 };
 
 /// A Markdown page, as lines.
 struct DocPage {
-  std::string path;  ///< from the root
+  std::string path;  ///< relative to the root
   std::vector<DocLine> lines;
 };
 
@@ -40,20 +41,20 @@ struct DocLink {
 /// The headings' anchors as links name them: lower case, without punctuation, hyphens for spaces.
 [[nodiscard]] std::set<std::string> Headings(const DocPage& page);
 
-/// A command of osteon that a page shows.
+/// A command of osteon on a page.
 struct DocCommand {
   std::size_t line{0};
   std::string text;                ///< "osteon demo --virtual-time": without "./" and comment
   std::vector<std::string> words;  ///< after "osteon"
-  bool own_line{false};            ///< a line to be typed, not a mention in a sentence
+  bool own_line{false};            ///< true: a line for the user to type; false: a mention in a sentence
 };
-/// Lists the commands of osteon that a page shows. Output of osteon ("osteon run: …") is no command.
+/// Lists the commands of osteon on a page. Output of osteon ("osteon run: …") is not a command.
 [[nodiscard]] std::vector<DocCommand> Commands(const DocPage& page);
 
-/// The user pages with lines to be typed: the README and docs/.
+/// The pages that contain lines for the user to type: the README and docs/.
 [[nodiscard]] std::vector<std::string> PagesWithCommands(const std::filesystem::path& root);
 
-/// A `diff` block: parts of one file's text, and their replacements.
+/// A block marked `diff`: parts of a file's text, and the text that replaces each part.
 struct DocDifference {
   struct Part {
     std::string before, after;

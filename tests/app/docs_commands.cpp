@@ -19,27 +19,28 @@ std::vector<std::string> Words(const std::string& text) {
   return all;
 }
 
-// A run with arguments that are usually shorter than those on the page, and the files that it must leave.
+// Runs the command with other arguments, which usually shorten the run. `leaves` names the files that the run
+// must write.
 DocRun RunAs(const std::string& arguments, std::vector<std::string> leaves = {}) {
   return {.arguments = Words(arguments), .leaves = std::move(leaves), .elsewhere = ""};
 }
-// No run here: the test "Suite.Name" runs the command.
+// Does not run the command here, because the test "Suite.Name" runs it.
 DocRun TestedBy(const std::string& test) { return {.arguments = {}, .leaves = {}, .elsewhere = test}; }
 
-// Writes torn.mcap, the first half of the demo's recording, as a run that was cut short leaves it.
+// Writes torn.mcap, the first half of the demo's recording. A run that is killed leaves such a file.
 void Tear(const std::filesystem::path& folder) {
   const std::string whole = ReadAll(folder / "demo_out/recording.mcap");
   WriteAll(folder / "torn.mcap", whole.substr(0, whole.size() / 2));
 }
 
-// Recovers torn.mcap, which is written first.
+// Writes torn.mcap, then recovers it.
 DocRun Torn() {
   DocRun run = RunAs("export torn.mcap --recover", {"torn_recovered.mcap"});
   run.before = Tear;
   return run;
 }
 
-// The tutorial's cell: the demo's with another force limit.
+// Runs with the tutorial's cell: the demo's cell with another force limit.
 DocRun OwnCell() {
   DocRun run = RunAs("demo --virtual-time --seconds 0.5 --cell my_cell.yaml --tool reamer:54 --out my_out",
                      {"my_out/report.html"});
@@ -49,8 +50,8 @@ DocRun OwnCell() {
   return run;
 }
 
-// A command of the tuning page's example. First runs the example's earlier commands: the measurement, and if
-// `from_recording` the identification from its recordings.
+// Runs a command of the tuning page's example, after the example's earlier commands: the measurement, and if
+// `from_recording` is true also the identification from the measurement's recordings.
 DocRun Tuned(const std::string& arguments, std::vector<std::string> leaves, bool from_recording) {
   DocRun run = RunAs(arguments, std::move(leaves));
   run.before = [from_recording](const std::filesystem::path& folder) {
@@ -62,7 +63,7 @@ DocRun Tuned(const std::string& arguments, std::vector<std::string> leaves, bool
   return run;
 }
 
-// How to run each command, by its text on the page.
+// For each command, by its text on the page, how to run it.
 const std::map<std::string, DocRun>& Runs() {
   static const std::map<std::string, DocRun> runs{
       {"osteon demo", RunAs("demo --virtual-time --seconds 0.5", {"demo_out/report.html"})},
@@ -83,7 +84,7 @@ const std::map<std::string, DocRun>& Runs() {
        TestedBy("BenchView.OpensARepeatedRecordingAndSeeksInIt")},
       {"osteon demo --virtual-time --cell my_cell.yaml --tool reamer:54 --out my_out", OwnCell()},
       {"osteon demo --virtual-time --cell silent.yaml --out silent_out",
-       TestedBy("Regress.AllShippedScenariosPass")},  // its scenario sensor_silent
+       TestedBy("Regress.AllShippedScenariosPass")},  // in the scenario sensor_silent
 
       {"osteon bench frame --spheres 300000 --tool-spheres 1000 --compare brute --frames 50",
        RunAs("bench frame --spheres 20000 --tool-spheres 20 --compare brute --frames 20")},

@@ -14,8 +14,8 @@
 #include "tests/app/doc_pages.h"
 #include "tests/app/docs_commands.h"
 
-// Checks the documents: each link has a target, each command and option exists, the commands run, and the
-// blocks marked `diff` apply to the tree.
+// Checks the documentation: each link has a target, each command and option exists, the commands run, and the
+// blocks marked `diff` can be applied to the tree.
 
 namespace osteon::app {
 namespace {
@@ -25,7 +25,7 @@ using io::test::WriteAll;
 
 const std::filesystem::path kRoot = OSTEON_SOURCE_DIR;
 
-// "PAGE:LINE", for messages.
+// "PAGE:LINE", as text in a test's message.
 std::string Where(const DocPage& page, std::size_t line) { return page.path + ":" + std::to_string(line); }
 
 TEST(Docs, EveryLinkHasATarget) {
@@ -50,10 +50,10 @@ TEST(Docs, EveryLinkHasATarget) {
   EXPECT_GT(links, 100);
 }
 
-// The output of `osteon … --help`, requested once for each subcommand.
+// The outputs of `osteon … --help`. Each subcommand is run once.
 class Helps {
  public:
-  // Empty if there is no such subcommand.
+  // The help of a subcommand; empty if there is no such subcommand.
   const std::string& Of(const std::vector<std::string>& subcommand) {
     auto [at, is_new] = texts_.try_emplace(subcommand);
     if (!is_new) return at->second;
@@ -76,7 +76,7 @@ TEST(Docs, EveryCommandAndOptionExists) {
   pages.push_back(ReadPage(kRoot, "docs/ci/regress.yml"));
   for (const DocPage& page : pages) {
     for (const DocCommand& command : Commands(page)) {
-      if (command.words[0] == "test") continue;  // the launcher's own
+      if (command.words[0] == "test") continue;  // a command of the launcher itself
       SCOPED_TRACE(Where(page, command.line) + ": " + command.text);
       std::vector<std::string> subcommand{command.words[0]};
       const bool in_two_words = subcommand[0] == "bench" || subcommand[0] == "chart";
@@ -95,7 +95,7 @@ TEST(Docs, EveryCommandAndOptionExists) {
   EXPECT_GT(commands, 60);
 }
 
-// Runs a page's commands in their order in one folder.
+// Runs the commands of a page in one folder, in their order on the page.
 class DocsRun : public testing::TestWithParam<std::string> {};
 
 TEST_P(DocsRun, CommandsOfAPageSucceedAndLeaveTheirFiles) {
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(, DocsRun, testing::ValuesIn(PagesWithCommands(kRoot)),
   return name;
 });
 
-// Docs.EveryLinkHasATarget checks the pictures.
+// This test checks the sections; the pictures are checked by Docs.EveryLinkHasATarget.
 TEST(Docs, EveryFailureScenarioHasItsSection) {
   const std::string page = ReadAll(kRoot / "docs/failures.md");
   const auto scenarios = studies::FailureScenarios();

@@ -14,13 +14,13 @@
 
 namespace osteon::app {
 
-/// A port for this test process; the process id makes a collision with other tests unlikely.
+/// A port for this test process. It depends on the process id, so a collision with other tests is unlikely.
 inline std::string EnginePort() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
-/// Demos in virtual time of cells whose engine runs in a process of its own.
+/// Runs demos in virtual time of cells whose engine has its own process.
 class EngineCellTest : public testing::Test {
  protected:
-  /// @param process  where the engine runs: "local", or HOST:PORT
+  /// @param process  place of the engine: "local", or HOST:PORT
   /// @returns the file of a shipped cell whose engine runs there
   std::string CellWith(const std::string& process, const std::string& shipped) {
     const std::filesystem::path file = folder_.path() / (shipped + ".yaml");

@@ -8,7 +8,7 @@
 #include "tests/app/command.h"
 #include "tests/app/engine_cell.h"
 
-// The cutting engine in a process of its own, started beside a run in virtual time: `osteon simulate`.
+// A run in virtual time whose cutting engine is a separate process, which the test starts: `osteon simulate`.
 
 namespace osteon::app {
 namespace {
@@ -21,7 +21,7 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
                  {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
   ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
       << engine.Err();
-  // the same demo with the engine as a thread of its process
+  // the same demo, with the engine as a thread of the run's process
   const nlohmann::json thread = Demo("thin_plate", "thread");
   EXPECT_GT(thread.at("removed_volume_mm3"), 0.5);
   for (const char* out : {"first", "second"}) {  // one run after the other

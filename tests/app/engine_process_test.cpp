@@ -10,15 +10,16 @@
 #include "tests/app/engine_cell.h"
 #include "tests/app/machine_lateness.h"
 
-// The cutting engine in a process that the run starts by itself. engine_lockstep_test.cpp has an engine that
-// the user starts.
+// A run that starts its cutting engine as a process of its own. In engine_lockstep_test.cpp the user starts
+// the engine.
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The process id of a run's engine, from "…: local, process 1234" in its output; 0 if that is missing.
+// The process id of a run's engine, read from the text "…: local, process 1234" in the run's output; 0 if the
+// text is missing.
 pid_t EnginePid(const std::string& err) {
   const std::string words = "local, process ";
   const std::size_t at = err.find(words);
@@ -35,7 +36,8 @@ int EngineFolders() {
 
 using EngineProcess = EngineCellTest;
 
-// Every frame goes to the other process and back, and the result must be the same to the bit.
+// Every frame is computed in the other process. The result must be the same to the bit as with the engine in
+// a thread.
 TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   const int before = EngineFolders();
   const nlohmann::json thread = Demo("thin_plate", "thread"),
@@ -53,7 +55,7 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
   EXPECT_EQ(EngineFolders(), before) << "nothing is left in shared memory";
 }
 
-// Kills the engine in wall time, while the loop renders contact: the arm must come to rest.
+// Kills the engine in wall time while the loop renders contact. The arm must come to rest.
 TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
   constexpr int kAttempts = 3;
   const std::string cell = CellWith("local", "demo");
@@ -83,7 +85,7 @@ TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// The three ways: engine as a thread, over shared memory, over UDP. No time is judged.
+// Times three ways to connect the engine: as a thread, over shared memory, and over UDP. No time is judged.
 TEST(BenchSimulate, TimesEachWayToRunTheEngine) {
   const TemporaryFolder folder;
   const CommandResult run = RunCommand(folder.path(), {"bench", "simulate", "--ticks", "300", "--rounds", "1",

@@ -1,4 +1,4 @@
-// An exception is thrown in a run whose arm already moves: the arm must still come to rest in order. Runs a
+// An exception is thrown in a run whose arm already moves. The arm must still stop in order. The test runs a
 // whole simulated cell with its real protocols in this process.
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 using control::Phase;
 
-// Widens the limits, so that a slow machine does not end these runs before the exception does.
+// Widens the time limits, so that a slow machine does not end these runs before the exception is thrown.
 void MakePatient(config::CellConfig& cell) {
   hil::QualityPolicyParams& quality = cell.simulated.fri.quality;
   quality.end_after_lost_in_a_row = quality.end_after_lost_per_s = quality.good_max_lost_per_s = 1'000'000;
@@ -29,8 +29,8 @@ void MakePatient(config::CellConfig& cell) {
   watchdog.sensor_stop_s = watchdog.spindle_stop_s = watchdog.interlock_stop_s = 3.0;
 }
 
-// An engine with one plane that throws in its n-th frame with a turning spindle. The spindle turns only while
-// the loop renders, so the time until the arm is ready does not count.
+// An engine with one plane. It throws in its n-th frame with a turning spindle. The spindle turns only while
+// the loop renders, so frames before the arm is ready do not count.
 class ThrowingEngine : public simulation::CuttingEngine {
  public:
   ThrowingEngine(const config::CellConfig& cell, int throws_at)
@@ -51,7 +51,7 @@ class ThrowingEngine : public simulation::CuttingEngine {
   int throws_at_, steps_{0};
 };
 
-// What one run leaves: its result, its recording and the last state of the simulated cell.
+// The outcome of one run: its result, its recording and the last state of the simulated cell.
 struct RunOutcome {
   session::CellRunResult result;
   io::Recording recording;
@@ -59,7 +59,8 @@ struct RunOutcome {
 };
 
 // Runs a cell for at most 30 s.
-// @param throws_at  frame with a turning spindle in which the engine throws; -1: none
+// @param throws_at  number of the frame with a turning spindle in which the engine throws; -1: it never
+// throws
 RunOutcome RunWithException(int throws_at, std::function<void(double)> progress) {
   RunOutcome outcome;
   auto setup = session::SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
@@ -83,7 +84,8 @@ RunOutcome RunWithException(int throws_at, std::function<void(double)> progress)
   return outcome;
 }
 
-// Expects that the arm had rendered, came to rest and got no further motion, all in a complete recording.
+// Expects in a complete recording that the arm was rendering, came to rest and was commanded no further
+// motion.
 void ExpectAnOrderlyStop(const RunOutcome& outcome) {
   ASSERT_FALSE(outcome.recording.ticks.empty());
   EXPECT_TRUE(outcome.recording.complete);
@@ -94,7 +96,8 @@ void ExpectAnOrderlyStop(const RunOutcome& outcome) {
   };
   EXPECT_GT(ticks_in(Phase::kHaptic), 100) << "it had begun";
   ASSERT_GT(ticks_in(Phase::kStopped), 100) << "and was recorded at rest";
-  // a slow tool stops within a tick, so check that no further motion was commanded
+  // a slow tool stops within one tick, so there is no braking to check: expect only that no further motion
+  // was commanded
   const auto& ticks = outcome.recording.ticks;
   const auto stopped = std::ranges::find(ticks, Phase::kStopped, &control::TickRecord::phase);
   const auto follows_commands = [](const control::TickRecord& tick) {

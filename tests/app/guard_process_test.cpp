@@ -9,12 +9,14 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// Runs `osteon cell`, `guard` and `run` as three processes, and checks what remains when one of them dies.
+// Runs `osteon cell`, `guard` and `run` as three processes, and checks how the other processes react if one
+// of them is killed.
 
 namespace osteon::app {
 namespace {
 
-// First of ten ports of this test process; the process id makes a collision with other tests unlikely.
+// First of the ten ports that this test process uses. It depends on the process id, so a collision with other
+// tests is unlikely.
 std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 // Whether the command has printed the words to standard output.
@@ -51,7 +53,7 @@ class GuardProcess : public testing::Test {
     EXPECT_EQ(cell_->Wait().exit_code, 0);
     return ReadJson(cell_folder_.path() / "cell.json");
   }
-  // Waits until the arm has left COMMANDING_ACTIVE. False: it has not, within the time limit.
+  // Waits until the arm has left COMMANDING_ACTIVE. Returns false if it does not within the time limit.
   [[nodiscard]] bool ArmLeft() {
     return cell_->WaitUntil([&] {
       const std::string out = cell_->Out();
@@ -79,7 +81,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
     const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
-    if (run.exit_code != 0) {  // only a late machine may fail the run, as without a guard
+    if (run.exit_code != 0) {  // the run may fail only because the machine was late, as a run without a guard
       worst_wakeup = watch.worst();
       ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup)) << report.dump(2);
       continue;
@@ -101,7 +103,7 @@ TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
   GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
 }
 
-// A run that starts its simulated cell also starts and ends the cell's guard.
+// A run that starts its simulated cell must also start the cell's guard, and end it.
 TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
   constexpr int kAttempts = 3;
   rt::Nanoseconds worst_wakeup = 0;
@@ -120,7 +122,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
-    // the guard's port is free again
+    // the killed guard's port is free again, so a new guard can use it
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
@@ -138,7 +140,7 @@ TEST_F(GuardProcess, KillingTheGuardStopsArmAndRun) {
   EXPECT_EQ(run.Wait().exit_code, 1) << run.Err();
   EXPECT_TRUE(ArmLeft()) << cell_->Out();
   EXPECT_FALSE(ReadJson(run_folder_.path() / "run.json").at("faults").empty());
-  usleep(600'000);  // the PLC tolerates 0.25 s without a heartbeat
+  usleep(600'000);  // longer than the 0.25 s for which the PLC tolerates a missing heartbeat
   const nlohmann::json report = EndCell();
   EXPECT_FALSE(report.at("plc").at("run_permitted").get<bool>());
   EXPECT_NE(report.at("plc").at("blocks").get<std::string>().find("guard's heartbeat lost"),
@@ -151,7 +153,7 @@ TEST_F(GuardProcess, KillingTheControllerWithdrawsItsRequestAtThePlc) {
   Command run(run_folder_.path(), RunArguments());
   ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "COMMANDING_ACTIVE"); }))
       << run.Err() << guard_->Err();
-  usleep(1'000'000);  // the hand has moved the tool by then
+  usleep(1'000'000);  // by then the hand has moved the tool
   run.Send(SIGKILL);
   run.Wait();
   EXPECT_TRUE(ArmLeft()) << cell_->Out();

@@ -13,18 +13,19 @@
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
-// A terminal is closed, or a reader goes away, while the tool is in bone: the run ends in order, its
-// recording is complete, its figures are written, and the exit code names the cause. The same for the guard.
+// A terminal is closed, or the reader of an output ends, while the tool is in bone. The run must end in
+// order, complete its recording and write its figures, and its exit code must show the cause. The same holds
+// for the guard.
 //
-// Twenty repetitions of each:
+// To repeat each test twenty times:
 //     osteon_test_app_wall --gtest_filter='*HangUp*' --gtest_repeat=20
 
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // a run is repeated if the machine was late
+constexpr int kAttempts = 3;  // a run is repeated if the machine woke a thread late
 
-// A pipe whose reader can be closed.
+// A pipe whose reading end can be closed.
 class Pipe {
  public:
   Pipe() {
@@ -49,7 +50,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-// Whether the tool is in bone, by the newest frame in the file.
+// Whether the tool is in bone, according to the newest frame in the recording.
 bool InContact(const std::filesystem::path& recording) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return false;
@@ -61,10 +62,10 @@ bool InContact(const std::filesystem::path& recording) {
   }
 }
 
-// The event that ends the observed process.
+// The event that makes the observed process end.
 enum class End { kHangUp, kTwoHangUps, kStdoutClosed, kStderrClosed };
 
-// The output that the event closes goes into the pipe, the others into files.
+// Streams of the process: the output that the event will close is the pipe, the other outputs are files.
 CommandStreams StreamsOf(End end, const Pipe& pipe) {
   if (end == End::kStdoutClosed) return {.out = pipe.writer()};
   if (end == End::kStderrClosed) return {.err = pipe.writer()};
@@ -80,11 +81,11 @@ void CauseEnd(End end, Command& process, Pipe& pipe) {
   process.Send(SIGHUP);
 }
 
-// Runs that an event ends while the tool is in bone.
+// Runs that are ended by an event while the tool is in bone.
 class HangUp : public testing::Test {
  protected:
-  // Causes the event while the tool is in bone, and checks the run's exit code, its cause's name in the
-  // summary and its recording. False: the machine was late.
+  // Causes the event while the tool is in bone. Checks the run's exit code, the name of the cause in the
+  // summary, and the recording. Returns false if the machine was late.
   bool RunEnds(End end, int exit_code, const char* name) {
     const TemporaryFolder folder;
     Pipe pipe;
@@ -124,10 +125,10 @@ class HangUp : public testing::Test {
   rt::Nanoseconds worst_{0};
 };
 
-// Exit codes are 128 plus the number of the signal.
+// A signal's exit code is 128 plus the number of the signal.
 TEST_F(HangUp, AClosedTerminalEndsARunInOrder) { ExpectRunEnds(End::kHangUp, 129, "SIGHUP"); }
 
-// Shell, system and service manager may each send a SIGHUP.
+// Shell, operating system and service manager may each send a SIGHUP.
 TEST_F(HangUp, ASecondSighupDoesNotEndTheProcessBeforeTheArmRests) {
   ExpectRunEnds(End::kTwoHangUps, 129, "SIGHUP");
 }
@@ -136,7 +137,7 @@ TEST_F(HangUp, AClosedReaderOfStdoutEndsARunInOrder) { ExpectRunEnds(End::kStdou
 
 TEST_F(HangUp, AClosedReaderOfStderrEndsARunInOrder) { ExpectRunEnds(End::kStderrClosed, 141, "SIGPIPE"); }
 
-// As after Ctrl-S on a terminal: the pipe is full, and its reader stays open without reading.
+// The pipe is full and its reader stays open without reading, as after Ctrl-S on a terminal.
 TEST_F(HangUp, AReaderThatDoesNotReadDoesNotDelayCtrlC) {
   Pipe pipe;
   fcntl(pipe.writer(), F_SETPIPE_SZ, 4096);
@@ -159,7 +160,7 @@ TEST_F(HangUp, AReaderThatDoesNotReadDoesNotDelayCtrlC) {
   EXPECT_TRUE(ReadComplete(folder.path() / "r.mcap").complete);
 }
 
-// `osteon cell`, `guard` and `run` as three processes: events that end the guard.
+// Runs `osteon cell`, `guard` and `run` as three processes. The events end the guard.
 class GuardHangUp : public HangUp {
  protected:
   void SetUp() override {
@@ -168,8 +169,8 @@ class GuardHangUp : public HangUp {
   }
   [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
-  // Causes the event at the guard while the tool is in bone. The PLC must first withdraw the permission to
-  // move, so that the controller stops the arm while the guard still relays. False: the machine was late.
+  // Causes the event at the guard while the tool is in bone. The PLC must withdraw its permission first, so
+  // that the controller stops the arm while the guard still relays. Returns false if the machine was late.
   bool GuardEnds(End end, int exit_code) {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;

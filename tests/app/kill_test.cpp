@@ -3,8 +3,9 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// Runs `osteon failures --kill`: controller, loop, simulation, recorder, guard, cell and the engine's
-// process are killed in full contact, once each. The documented measurement kills each 20 times.
+// Runs `osteon failures --kill`, which kills each of these once in full contact: controller, loop,
+// simulation, recorder, guard, cell, and the engine's process. The documented measurement kills each of them
+// 20 times.
 
 namespace osteon::app {
 namespace {
@@ -23,7 +24,8 @@ TEST(Kill, LeavesTheArmAtRestWhicheverPartDies) {
     SCOPED_TRACE(kill.dump(2));
     if (kill.contains("error")) {
       const std::string error = kill.at("error");
-      // not every machine permits halting another process's thread, and a late machine reaches no contact
+      // two reasons excuse a missing result: the machine forbids halting another process's thread, or it is
+      // so late that the tool reaches no contact
       const bool late = watch.worst() >= kLateWakeup;
       ASSERT_TRUE(error.ends_with("(ptrace)") || (late && error.find("too busy") != std::string::npos))
           << error << "\nthe latest wake-up came " << watch.worst() << " ns late";

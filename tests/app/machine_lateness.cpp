@@ -9,12 +9,12 @@ namespace {
 
 std::string Milliseconds(rt::Nanoseconds t) { return std::to_string(t / 1'000'000) + " ms"; }
 
-// Whether a fault reports a message or contact model that came too late.
+// Whether this fault reports that a message or a contact model came too late.
 bool SaysTooLate(std::string_view fault) {
   return fault.ends_with(" stale") || fault == "arm left COMMANDING_ACTIVE";
 }
 
-// Whether a fault is one that a device or the PLC reports when the loop's messages are late.
+// Whether this fault is one that a device or the PLC reports when the loop's messages are late.
 bool FollowsFromLateness(std::string_view fault) {
   return SaysTooLate(fault) || fault == "spindle drive fault" || fault == "motion not permitted";
 }

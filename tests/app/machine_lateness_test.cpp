@@ -6,7 +6,7 @@
 
 #include "base/realtime_thread.h"
 
-// Tests which failed runs a late machine excuses, and how its lateness is measured.
+// Tests which failures of a run a late machine excuses, and the measurement of lateness.
 
 namespace osteon::app {
 namespace {
@@ -38,9 +38,9 @@ TEST(MachineLateness, ExcusesNeitherACrashNorAnotherFaultHoweverLateTheMachineWa
   EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"arm message stale", "hand force"}), rt::kSecond));
 }
 
-// A real-time thread occupies one CPU for 30 ms, so the watch on this CPU must report a late wake-up.
+// A real-time thread occupies one CPU for 30 ms. The watch on this CPU must report a late wake-up.
 TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
-  // the watch's thread inherits this affinity: on another CPU it would be punctual
+  // the watch's thread inherits this affinity; on another CPU it would not be delayed
   cpu_set_t all, one;
   ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
   const int cpu = sched_getcpu();
@@ -58,7 +58,7 @@ TEST(WakeupWatch, MeasuresAThreadThatIsKeptFromItsCpu) {
   spinner.join();
   ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
   if (!realtime) GTEST_SKIP() << "skipped, no SCHED_FIFO for this user: nothing can keep a CPU to itself";
-  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // lets the waiting thread run
+  rt::SleepUntil(rt::MonotonicNow() + 5 * rt::kMillisecond);  // sleeps, so that the waiting thread can run
   EXPECT_GT(watch.worst(), kLateWakeup);
 }
 

@@ -8,17 +8,18 @@
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
 
-// Asks a running cell from another process, as an operator does in a second terminal, and serves a recording.
+// Sends commands to a running cell from another process, as an operator does in a second terminal. Also
+// serves a recording.
 
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // a run is repeated if the machine was late
+constexpr int kAttempts = 3;  // a run is repeated if the machine woke a thread late
 
 // A running cell and the commands that an operator gives it, in one folder.
 class OperatorCommands : public testing::Test {
  protected:
-  // Sockets of this test alone: another cell may run on this machine.
+  // Environment with a socket folder of this test alone, because another cell may run on this machine.
   [[nodiscard]] std::vector<std::string> Environment() const {
     return {"OSTEON_SOCKET_FOLDER=" + (folder_.path() / "sockets").string()};
   }
@@ -31,7 +32,7 @@ class OperatorCommands : public testing::Test {
     return ReadJson(folder_.path() / "status.json")["status"].value("state", "");
   }
 
-  // Starts a run, pauses, resumes and stops it. False: the machine was late.
+  // Starts a run, pauses, resumes and stops it. Returns false if the machine was late.
   bool PausesResumesAndStops() {
     const WakeupWatch watch;
     Command run(folder_.path(),
@@ -78,14 +79,14 @@ TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
   GTEST_SKIP() << "skipped: this machine was late " << kAttempts << " times";
 }
 
-// Asks a run for its status until its process has ended. A page that never reads makes the end of the run
-// slow, so that requests arrive while page server and socket close.
+// Asks a run for its status until its process has ended. A page that never reads slows down the end of the
+// run, so requests arrive while page server and socket are being closed.
 TEST_F(OperatorCommands, AskARunUntilItsProcessHasEnded) {
   Command run(folder_.path(),
               {"run", "thin_plate", "--simulated", "--port", "0", "--seconds", "2", "--console", "0",
                "--overwrite", "--record", "r.mcap", "--json", "run.json"},
               Environment());
-  // the run's status; null without an answer
+  // the run's status; null if the run does not answer
   const auto answer = [&] {
     setenv("OSTEON_SOCKET_FOLDER", (folder_.path() / "sockets").c_str(), 1);
     const auto running = io::FindLocalServers();

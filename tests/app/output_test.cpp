@@ -10,18 +10,19 @@
 #include "tests/app/command.h"
 #include "tests/simulation/mesh/mesh_shapes.h"
 
-// No output of a command damages another: standard output, standard error, its files, files of earlier runs.
+// A command's outputs must not damage each other: standard output, standard error, its files, and files of
+// earlier runs.
 
 namespace osteon::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A short demo on a plate, which is packed and drawn in half the time of the demo's own bone.
+// A short demo with the scene of a plate, which is packed and drawn in half the time of the demo's bone.
 const std::vector<std::string> kDemo{"demo",   "--virtual-time", "--seconds", "0.3",
                                      "--cell", "thin_plate",     "--json",    "j.json"};
 
-// The short demo's arguments and more.
+// The arguments of the short demo, followed by these.
 std::vector<std::string> Demo(const std::vector<std::string>& more) {
   std::vector<std::string> words = kDemo;
   words.insert(words.end(), more.begin(), more.end());
@@ -30,7 +31,8 @@ std::vector<std::string> Demo(const std::vector<std::string>& more) {
 
 int OpenForWriting(const char* path) { return open(path, O_WRONLY | O_CLOEXEC); }
 
-// A soft limit on the size of files that this process and its children may write; stands in for a full disk.
+// A soft limit on the size of files that this process and its children may write. It has the effect of a full
+// disk.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {
@@ -75,7 +77,7 @@ TEST(Output, AFullStdoutIsReportedAndLosesNoFile) {
   close(full);
 }
 
-// The limit is below the size of the recording; the small files fit.
+// The limit is below the size of the recording and above the size of the small files.
 TEST(Output, ARecordingThatDoesNotFitLosesNeitherSummaryNorJson) {
   const TemporaryFolder folder;
   CommandResult run;
@@ -133,7 +135,7 @@ TEST(Output, TwoDemosDoNotWriteIntoOneFolder) {
   EXPECT_TRUE(ReadComplete(recording).complete);
 }
 
-// A file name may have any bytes, but the files that osteon writes are UTF-8: U+FFFD replaces the byte FC.
+// A file name may contain any bytes, but osteon's output files are UTF-8. U+FFFD must replace the byte FC.
 TEST(Output, ALatin1FileNameIsWrittenAsValidUtf8) {
   const TemporaryFolder folder;
   const std::string name =

@@ -10,9 +10,9 @@
 
 namespace osteon::app {
 
-/// One run in virtual time that cuts bone for a while, with helpers for its recording. ctest makes it once,
-/// by the test app_recording.TheRun.IsMade; a suite that is started by hand without it, or after a newer
-/// build, makes its own.
+/// A run in virtual time that cuts bone, and helpers for its recording. Under ctest the test
+/// app_recording.TheRun.IsMade makes the run once for all suites. A suite makes its own run if none exists or
+/// if the build is newer.
 class RecordedRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -36,7 +36,7 @@ class RecordedRun : public testing::Test {
   }
   static std::filesystem::path Original() { return *original_; }
 
-  /// Writes a changed recording into this test's folder.
+  /// Writes a changed recording into this test's folder. @returns its path.
   std::filesystem::path Write(const io::Recording& changed) {
     const auto path = folder_.path() / "changed.mcap";
     auto recorder = io::Recorder::Open({.path = path, .writer_thread = false}, changed.session);

@@ -10,8 +10,8 @@
 #include "session/procedure/session_file.h"
 #include "tests/app/command.h"
 
-// Demos with a plan, as a user runs them. One is killed and resumed at its last pass. The sessions are then
-// assessed, reported, exported and replayed.
+// Demos with a plan, as a user runs them. One demo is killed and resumed at its last pass. The sessions are
+// then assessed, reported, exported and replayed.
 
 namespace osteon::app {
 namespace {
@@ -28,7 +28,7 @@ std::string ReadText(const fs::path& path) {
 // A demo with a plan of two reamers, which is killed and resumed.
 class KilledDemo : public testing::Test {
  protected:
-  KilledDemo() {  // writes the demo's plan without its first two reamers
+  KilledDemo() {  // writes the demo's plan, but without the plan's first two reamers
     std::string plan = ReadText(OSTEON_SOURCE_DIR "/config/plans/acetabulum.yaml");
     for (const char* reamer : {"  - {diameter_mm: 44", "  - {diameter_mm: 46"}) {
       const std::size_t line = plan.find(reamer);
@@ -44,12 +44,12 @@ class KilledDemo : public testing::Test {
     if (resume) words.emplace_back("--resume");
     return words;
   }
-  // The session's file; nothing if there is none yet.
+  // The session's content; nothing if there is no session yet.
   [[nodiscard]] std::optional<session::SessionFile> Session() const {
     auto session = session::ReadSession(folder_.path() / "s");
     return session ? std::optional(std::move(*session)) : std::nullopt;
   }
-  // Runs the demo and kills it as soon as the session fulfils the condition.
+  // Runs the demo, and kills it as soon as the session fulfils the condition.
   template <class Condition>
   void RunAndKillOnce(bool resume, const Condition& condition) {
     Command demo(folder_.path(), Demo("8", resume));
@@ -66,7 +66,8 @@ class KilledDemo : public testing::Test {
 };
 
 TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
-  // killed before its first pass ends, then after it, and then resumed to the end
+  // the demo is killed before its first pass ends, resumed and killed after that pass, and then resumed to
+  // the end
   ASSERT_NO_FATAL_FAILURE(RunAndKillOnce(false, [](const session::SessionFile&) { return true; }));
   ASSERT_TRUE(Session()->passes.empty());
   ASSERT_NO_FATAL_FAILURE(
@@ -106,7 +107,7 @@ TEST_F(KilledDemo, ResumesAtItsLastPassAndIsAssessedReportedAndExported) {
   EXPECT_NE(exported.out.find("watertight"), std::string::npos) << exported.out;
 }
 
-// The plan for a scanned hip bone, whose mesh is not in the repository.
+// Uses the plan for a scanned hip bone, whose mesh is not part of the repository.
 TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
   const char* data = std::getenv("OSTEON_DATA_DIR");
   const fs::path mesh = fs::path(data ? data : ".") / "hip_bone_left.obj";
@@ -132,7 +133,8 @@ TEST(HipBonePlan, IsReamedAssessedAndReplayed) {
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
 }
 
-// The plan for the molar is an opening with two burrs. Its score must tell a novice from an expert.
+// The plan for the molar is an opening that needs two burrs. The score must distinguish a novice from an
+// expert.
 TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
   const TemporaryFolder folder;
   const auto ask = [&](const std::vector<std::string>& words) { return RunCommand(folder.path(), words); };
@@ -160,7 +162,7 @@ TEST(MolarPlan, IsOpenedAssessedAndReplayed) {
     EXPECT_GT(json["result"]["unroofed"], 0.05);
     scores[hand] = json["score"]["total"];
   }
-  // 18 s are a seventh of the whole demo, so the roof is only partly open
+  // the run of 18 s is a seventh of the whole demo, so the roof is only partly open
   EXPECT_GT(scores["expert"], scores["novice"] + 20.0);
   EXPECT_LT(scores["novice"], 40.0);
   const CommandResult compared = ask({"assess", "expert/session", "--against", "novice/session"});

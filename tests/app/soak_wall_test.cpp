@@ -2,13 +2,13 @@
 
 #include "tests/app/command.h"
 
-// `osteon soak --wall` with its first episode, a reaming by three processes with three pages. As a
-// measurement it runs for hours. tests/studies/soak tests its script, its records and its verdict.
+// Runs the first episode of `osteon soak --wall`: reaming with three processes and three pages. A real
+// measurement lasts hours. The tests in tests/studies/soak check script, records and verdict.
 
 namespace osteon::app {
 namespace {
 
-// A late machine may stop the cell, and the soak then fails; its figures are reported nevertheless.
+// A late machine may stop the cell, and the soak then fails; its figures must be reported nevertheless.
 TEST(SoakWall, RunsTheCellsProcessesAndReportsTheirFigures) {
   const TemporaryFolder folder;
   const CommandResult result = RunCommand(

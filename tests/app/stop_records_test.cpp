@@ -12,7 +12,8 @@
 #include "tests/app/command.h"
 #include "tests/report/report_markup.h"
 
-// Tests the records of stops (pages and tables) on made-up ticks, and the tables of faults and states.
+// Tests the records of stops (a page and a table each) on made-up ticks, and the documented tables of faults
+// and states.
 
 namespace osteon::app {
 namespace {
@@ -27,7 +28,7 @@ config::CellConfig Cell() {
 
 constexpr std::uint32_t Bit(Fault fault) { return static_cast<std::uint32_t>(fault); }
 
-// Appends ticks, 1 ms apart. @param asked  whether a stop is requested in them
+// Appends ticks that are 1 ms apart. @param asked  whether a stop is requested in these ticks
 void AddTicks(std::vector<TickRecord>& ticks, int count, Phase phase, std::uint32_t faults = 0,
               bool asked = false) {
   for (int i = 0; i < count; ++i) {
@@ -66,7 +67,8 @@ tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
   return pages.Finish();
 }
 
-// Ticks of a fault after 8 s of contact, a recovery, 1 s of contact, and the end of the run.
+// Ticks of two stops: a fault after 8 s of contact with a recovery, and the end of the run after 1 s of
+// contact.
 std::vector<TickRecord> TwoStops() {
   std::vector<TickRecord> ticks;
   AddTicks(ticks, 500, Phase::kWaiting);
@@ -85,7 +87,7 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   const std::vector<TickRecord> ticks = TwoStops();
   const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 2u);
-  // ticks are numbered from 0
+  // ticks are numbered from 0, so tick 8500 is the first one of the stop
   EXPECT_EQ(stops[0].ticks[stops[0].stop].tick, 8500u);
   EXPECT_EQ(stops[0].ticks.front().tick, 3500u);
   EXPECT_EQ(stops[0].ticks.back().tick, 8600u + 500u) << "at rest from tick 8600 on";
@@ -103,7 +105,7 @@ TEST(StopRecords, HoldFiveSecondsBeforeAndHalfASecondAtRest) {
   EXPECT_STREQ(stops[1].Heading(), "How the run ended");
 }
 
-// During a pause the phase is kWaiting. The record counts that as rest, until the resume.
+// During a pause the phase is kWaiting. The record counts this as rest until the motion resumes.
 TEST(StopRecords, ShowAPauseForHalfASecondAtRest) {
   for (const int paused : {2000, 300}) {
     std::vector<TickRecord> ticks;
@@ -121,8 +123,8 @@ TEST(StopRecords, ShowAPauseForHalfASecondAtRest) {
   }
 }
 
-// In stop category 0 the controller does not move the arm, so the record counts as rest only what follows
-// this state.
+// In stop category 0 the arm is not under the controller's command. Therefore the record counts the arm as
+// resting only from the end of this state on.
 TEST(StopRecords, AfterStopCategoryZeroRestBeginsWhenTheArmStands) {
   std::vector<TickRecord> ticks;
   AddTicks(ticks, 1000, Phase::kHaptic);
@@ -139,7 +141,8 @@ TEST(StopRecords, AfterStopCategoryZeroRestBeginsWhenTheArmStands) {
 TEST(StopRecords, HoldALimitedNumberOfTicks) {
   std::vector<TickRecord> ticks;
   AddTicks(ticks, 30'000, Phase::kHaptic);
-  for (TickRecord& tick : ticks) tick.stamp = 0;  // all within five seconds
+  // all ticks fall within the five seconds that a record keeps
+  for (TickRecord& tick : ticks) tick.stamp = 0;
   AddTicks(ticks, 30'000, Phase::kStopping);
   const std::vector<session::StopRecord> stops = FindStops(ticks);
   ASSERT_EQ(stops.size(), 1u);
@@ -156,7 +159,7 @@ TEST(StopRecords, NameAPauseAsTheCause) {
   EXPECT_EQ(FindStops(ticks).at(0).DescribeCause(), "a pause was asked for");
 }
 
-// A slow tool stops within one tick, so no tick has the phase kStopping.
+// A slow tool stops within one tick, so no tick of this pause has the phase kStopping.
 TEST(StopRecords, FindThePauseOfASlowTool) {
   std::vector<TickRecord> ticks;
   AddTicks(ticks, 100, Phase::kHaptic);
@@ -202,7 +205,7 @@ TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
   EXPECT_EQ(pages->front().ticks, folder.path() / "ride_stop_1_ticks.csv");
   EXPECT_EQ(report::MarkupError(page), "");
 
-  // the second page is about the end of the run, which is no fault
+  // the second page reports the end of the run, which is not a fault
   const std::string end = io::test::ReadAll(pages->back().page);
   for (const char* part : {"<h1>How the run ended: 4 s of rendering were over</h1>",
                            "<h2>How the run ended</h2>", "No fault: 4 s of rendering were over.",
@@ -220,7 +223,7 @@ TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
 }
 
-// The page says which part of the stop the recording does not show, and why.
+// The page must say which part of the stop the recording does not show, and why.
 TEST(StopRecords, SayWhyTheArmIsNotShownAtRest) {
   const TemporaryFolder folder;
   const auto page_of = [&](const std::vector<TickRecord>& ticks) {
@@ -243,7 +246,7 @@ TEST(StopRecords, AMissingFolderIsNamed) {
   EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }
 
-// The documented table equals the one that the code prints.
+// The documented table must equal the one that the code prints.
 TEST(FaultCatalogue, EqualsTheDocumentedPage) {
   EXPECT_EQ(io::test::ReadAll(std::filesystem::path(OSTEON_SOURCE_DIR) / "docs/faults.md"), FaultsPage())
       << "osteon faults --markdown docs/faults.md";

@@ -6,12 +6,13 @@
 
 #include "app/cli/usage/study_commands.h"
 
-// Tests which of the two executables a command line is for: osteon itself or the one with the studies.
+// Tests which of two executables a command line belongs to: osteon itself, or the executable with the
+// studies.
 
 namespace osteon::app {
 namespace {
 
-// AsksForStudy for a command line of these words.
+// AsksForStudy for a command line with these words.
 bool Asks(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

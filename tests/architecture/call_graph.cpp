@@ -15,11 +15,11 @@
 namespace osteon::architecture {
 namespace {
 
-// The symbol of an operand, without "+0x…", "@plt" and a version.
+// The symbol in an operand of objdump's output, without "+0x…", "@plt" and a version.
 std::string SymbolOf(const std::string& operand) { return operand.substr(0, operand.find_first_of("+@")); }
 
-// The first rule that matches a symbol: a `skip` rule for a function of the program, an `allow` rule for
-// others. Null if there is none.
+// The first rule that matches a symbol. For a function of the program only `skip` rules apply, for other
+// functions only `allow` rules. Null if no rule matches.
 const CallRule* FindRule(const std::vector<CallRule>& rules, const std::string& symbol, bool of_program) {
   static constexpr std::string_view kUnnamed = "(anonymous namespace)::";
   std::string signature = Demangled(symbol);
@@ -48,7 +48,7 @@ CallGraph CallGraph::Read(std::istream& disassembly) {
     if (line.ends_with(">:")) {
       name = line.substr(line.find('<') + 1);
       name.resize(name.size() - 2);
-      // an entry of the procedure linkage table stands for a function elsewhere
+      // an entry of the procedure linkage table only calls a function of a library
       callees = name.find('@') == std::string::npos ? &graph.functions_[name] : nullptr;
       continue;
     }
@@ -56,14 +56,14 @@ CallGraph CallGraph::Read(std::istream& disassembly) {
     const std::size_t begin = line.rfind('<') + 1;
     const std::string operand = line.substr(begin, line.size() - 1 - begin), symbol = SymbolOf(operand);
     if (symbol == name) continue;
-    // "@@Base" is the version of the program's own symbols; "_ZT…" are vtables and type information of the
-    // standard library, which are data
+    // "@@Base" is the version of the program's own symbols. Symbols that begin with "_ZT" are vtables and
+    // type information of the standard library, thus data
     if (operand.find('@') != std::string::npos && operand.find("@@Base") == std::string::npos &&
         !symbol.starts_with("_ZT"))
       external.insert(symbol);
     callees->insert(symbol);
   }
-  // A name that is neither a function of the program nor of a library is data.
+  // Remove names that are neither functions of the program nor of a library: they are data.
   for (auto& [function, names] : graph.functions_)
     std::erase_if(names, [&](const std::string& callee) {
       return !external.contains(callee) && !graph.functions_.contains(callee);
@@ -78,7 +78,7 @@ const std::set<std::string>* CallGraph::Callees(const std::string& function) con
 
 std::string Demangled(const std::string& symbol) {
   int status = 0;
-  // GCC appends a dot and a suffix to the names of a function's parts and copies
+  // GCC names parts and copies of a function by the function's symbol, a dot and a suffix
   const std::unique_ptr<char, decltype(&std::free)> text(
       abi::__cxa_demangle(symbol.substr(0, symbol.find('.')).c_str(), nullptr, nullptr, &status), &std::free);
   return status == 0 ? text.get() : symbol;
@@ -107,7 +107,8 @@ std::vector<CallRule> ReadCallRules(const std::filesystem::path& file) {
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules) {
   CallCheck check;
-  std::map<std::string, std::string> caller_of;  // of each reached symbol; empty for a root
+  // for each reached symbol, the function that calls it; empty for a root
+  std::map<std::string, std::string> caller_of;
   std::deque<std::string> to_follow;
   for (const auto& [symbol, callees] : graph.functions()) {
     const std::string name = QualifiedName(Demangled(symbol));

@@ -9,15 +9,17 @@
 
 namespace osteon::architecture {
 
-/// The references between a program's functions: calls, jumps and addresses taken. A call through a pointer
-/// has no target here: each implementation of a virtual function has to be checked by its own name.
+/// The references between a program's functions: calls, jumps, and addresses that are taken. The target of a
+/// call through a pointer is unknown, so each implementation of a virtual function must be checked by its own
+/// name.
 class CallGraph {
  public:
   /// Reads the output of `objdump -d --no-show-raw-insn PROGRAM`.
   static CallGraph Read(std::istream& disassembly);
 
-  /// The functions that a function refers to, by the symbol table's names: functions of this program, and
-  /// those of shared libraries without "@plt" or a version. Null if the program has no such function.
+  /// The functions to which a function refers, by their names in the symbol table. These are functions of
+  /// this program and functions of shared libraries, without "@plt" and version. Null if the program has no
+  /// such function.
   [[nodiscard]] const std::set<std::string>* Callees(const std::string& function) const;
   [[nodiscard]] const std::map<std::string, std::set<std::string>>& functions() const { return functions_; }
 
@@ -25,12 +27,15 @@ class CallGraph {
   std::map<std::string, std::set<std::string>> functions_;
 };
 
-/// A symbol in C++ notation: "osteon::rt::MonotonicNow()". Other symbols are returned unchanged.
+/// A symbol in C++ notation, as in "osteon::rt::MonotonicNow()". A symbol that is not mangled is returned
+/// unchanged.
 std::string Demangled(const std::string& symbol);
 
-/// A function outside the program that a tick may call, or one of the program whose calls are not followed.
+/// A rule about a function: a tick may call it although it is outside the program (`allow`), or it belongs to
+/// the program but its calls are not followed (`skip`).
 struct CallRule {
-  std::string pattern;  ///< a qualified name (QualifiedName) or a signature, or its beginning and a '*'
+  /// a qualified name (QualifiedName) or a signature; a '*' at its end stands for any further characters
+  std::string pattern;
   std::string reason;
   bool opaque{false};  ///< "skip": a function of this program whose own calls are not followed
 };
@@ -39,16 +44,17 @@ struct CallRule {
 /// @throws std::runtime_error with file, line and the accepted form if a line has another form.
 std::vector<CallRule> ReadCallRules(const std::filesystem::path& file);
 
-/// The result for the marked functions.
+/// The result of checking the calls of the marked functions.
 struct CallCheck {
   std::vector<std::string> forbidden;  ///< one per callee: "osteon::A::Step() > B::Grow() > malloc"
-  /// Marked functions that exist in the program; the others are inlined.
+  /// Marked functions that exist in the program. The compiler has inlined all others.
   std::set<std::string> roots;
-  std::set<std::string> used;  ///< patterns of rules that matched
-  std::size_t reached{0};      ///< functions of the program that were followed
+  std::set<std::string> used;  ///< patterns of the rules that matched a symbol
+  std::size_t reached{0};      ///< number of functions of the program whose calls were followed
 };
 
-/// Follows every call from the marked functions (qualified names) up to a rule or a function of a library.
+/// Follows every call from the marked functions (given by qualified names) until a rule applies or a
+/// library's function is reached.
 CallCheck CheckCalls(const CallGraph& graph, const std::set<std::string>& marked,
                      const std::vector<CallRule>& rules);
 

@@ -16,7 +16,7 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
-/// Whether path is `name`, lies below the directory `name`, or has the ending of `*.x`.
+/// Whether the path equals `name`, lies below the directory `name`, or has the ending of a `name` like `*.x`.
 bool Matches(std::string_view name, std::string_view path) {
   if (name.starts_with('*')) return path.ends_with(name.substr(1));
   return path == name || (path.starts_with(name) && path[name.size()] == '/');
@@ -30,10 +30,10 @@ bool MatchesAny(const std::vector<std::string>& names, std::string_view path) {
 
 struct Match {
   const Rule* rule = nullptr;
-  std::string name;  // the longest of the rule's names that the path matches
+  std::string name;  // the longest name of the rule that the path matches
 };
 
-/// The rule of a kind whose name matches the path with the most characters; null if none does.
+/// The rule of this kind whose name matches the path with the most characters; null if no rule matches.
 Match FindRule(const std::vector<Rule>& rules, Rule::Kind kind, std::string_view path) {
   Match best;
   for (const Rule& rule : rules) {
@@ -51,12 +51,12 @@ std::string Join(const std::vector<std::string>& words) {
   return text.empty() ? "nothing" : text;
 }
 
-/// A header of the C++ standard library has neither directory nor ending.
+/// Whether an include names a header of the C++ standard library, which has neither directory nor ending.
 bool IsStandardHeader(std::string_view include) {
   return include.find_first_of("/.") == std::string_view::npos;
 }
 
-/// Says what is wrong with an include of a file in folder `includer`; empty if it is allowed.
+/// The error text for an include in a file of folder `includer`; empty if the include is allowed.
 std::string Complaint(const std::vector<Rule>& rules, const Match& includer, std::string_view path,
                       const std::string& include) {
   if (include.find("..") != std::string::npos) {
@@ -67,7 +67,7 @@ std::string Complaint(const std::vector<Rule>& rules, const Match& includer, std
     return includer.name + "/ may not include " + include +
            "; it may include: " + Join(includer.rule->allowed) + " (" + includer.rule->reason + ")";
   }
-  // Tests may include anything that serves as an oracle.
+  // Tests may include any library, because they use libraries as oracles.
   if (IsStandardHeader(include) || includer.name == "tests") return {};
   const Match library = FindRule(rules, Rule::Kind::kLibrary, include);
   if (!library.rule) {
@@ -131,7 +131,7 @@ std::vector<std::string> SourceFiles(const std::filesystem::path& root) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
       const std::string ending = entry.path().extension().string();
       const std::string path = entry.path().lexically_relative(root).generic_string();
-      if (path.find("/third_party/") != std::string::npos) continue;  // not ours
+      if (path.find("/third_party/") != std::string::npos) continue;  // third-party sources are not checked
       if (!entry.is_regular_file() ||
           (ending != ".h" && ending != ".hpp" && ending != ".cpp" && ending != ".cc")) {
         continue;

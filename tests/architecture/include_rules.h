@@ -11,8 +11,9 @@ namespace osteon::architecture {
 struct Rule {
   enum class Kind { kFolder, kLibrary };
   Kind kind = Kind::kFolder;
-  std::vector<std::string> names;    ///< folders or libraries that the rule applies to
-  std::vector<std::string> allowed;  ///< kFolder: what it may include; kLibrary: who may include it
+  std::vector<std::string> names;  ///< the folders or libraries to which the rule applies
+  /// kFolder: names that the folder may include; kLibrary: folders that may include the library
+  std::vector<std::string> allowed;
   std::string reason;
 };
 
@@ -20,15 +21,16 @@ struct Rule {
 struct Violation {
   std::string file;  ///< relative to the root
   int line = 0;      ///< from 1
-  std::string text;  ///< what is wrong, and what is accepted
+  std::string text;  ///< the error, and the accepted includes
 };
 
-/// Reads the rules of include_rules.txt (its head describes the form).
+/// Reads the rules of include_rules.txt (the comment at its beginning describes the form).
 /// @throws std::runtime_error with file, line and the accepted form if a line has another form.
 std::vector<Rule> ReadRules(const std::filesystem::path& file);
 
 /// Lists the forbidden includes of one source text.
-/// @param path  the file's path relative to the root, with '/': determines the folder whose rule applies.
+/// @param path  path of the file relative to the root, with '/'; the folder in it determines which rule
+/// applies
 std::vector<Violation> CheckText(const std::vector<Rule>& rules, std::string_view path,
                                  std::string_view text);
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// Checks the includes of the whole tree, and what the rules of include_rules.txt allow and forbid.
+// Checks the includes of all files, and which includes the rules of include_rules.txt allow and forbid.
 
 namespace osteon::architecture {
 namespace {
@@ -27,7 +27,7 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-/// CheckText's verdict on one line in a file at `path`; empty if it is allowed.
+/// Result of CheckText for one line in a file at `path`; empty if the line is allowed.
 std::string Verdict(const std::string& path, const std::string& line) {
   const std::vector<Violation> violations = CheckText(ReadRules(kRulesFile), path, line);
   return violations.empty() ? "" : violations.front().text;
@@ -36,7 +36,7 @@ std::string Verdict(const std::string& path, const std::string& line) {
 TEST(IncludeRules, AreKeptByTheWholeTree) {
   const std::vector<Rule> rules = ReadRules(kRulesFile);
   const std::vector<std::string> files = SourceFiles(kRoot);
-  // Far more files exist: fewer mean that the search is broken, not that the tree is clean.
+  // The tree has far more than 20 files. A smaller number means that the search is broken.
   ASSERT_GT(files.size(), 20u);
   for (const std::string& file : files) {
     for (const Violation& violation : CheckText(rules, file, ReadText(kRoot / file))) {
@@ -45,7 +45,8 @@ TEST(IncludeRules, AreKeptByTheWholeTree) {
   }
 }
 
-// A test that counts allocations and does not check the count can never fail.
+// A test that counts allocations without checking the count can never fail. So tests must use
+// CheckedNoAllocScope.
 TEST(IncludeRules, TestsCountAllocationsInACheckedScopeOnly) {
   const std::string kChecked = "tests/base/checked_no_alloc_scope.h";
   int users = 0;

@@ -10,7 +10,7 @@ namespace {
 
 bool IsNamePart(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-// Returns the index after the literal that begins at `i`.
+// Returns the index behind the literal that begins at index `i`.
 std::size_t EndOfLiteral(std::string_view text, std::size_t i) {
   if (text[i] == '"' && i > 0 && text[i - 1] == 'R') {
     const std::string close = ")" + std::string(text.substr(i + 1, text.find('(', i) - i - 1)) + "\"";
@@ -35,7 +35,7 @@ std::string CodeOnly(std::string_view text) {
       do i = std::min(text.find('\n', i + 1), text.size());
       while (i < text.size() && text[i - 1] == '\\');
     } else if (rest[0] == '"' || (rest[0] == '\'' && (i == 0 || !IsNamePart(text[i - 1])))) {
-      i = EndOfLiteral(text, i);  // a ' within a number separates its digits
+      i = EndOfLiteral(text, i);  // a ' within a number only separates digits and begins no literal
       out += '0';
     } else {
       line_begins = rest[0] == '\n' || (line_begins && std::isspace(static_cast<unsigned char>(rest[0])));
@@ -50,7 +50,7 @@ std::string Trimmed(std::string text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// Removes template arguments. The characters of an operator's name stay.
+// Removes template arguments. The characters < and > in an operator's name stay.
 std::string WithoutTemplateArguments(std::string_view name) {
   static constexpr std::string_view kOperator = "operator";
   std::string out;
@@ -71,7 +71,8 @@ std::string WithoutTemplateArguments(std::string_view name) {
   return out;
 }
 
-// The function's name in a declaration's head, up to OSTEON_RT; empty if there is none.
+// The name of the function that a declaration declares. `head` is the declaration's text before OSTEON_RT.
+// Empty if there is no name.
 std::string DeclaredName(std::string head) {
   head = Trimmed(std::move(head));
   for (const std::string_view qualifier : {"const", "&"})
@@ -89,7 +90,7 @@ std::string DeclaredName(std::string head) {
   return std::regex_search(before, match, name) ? match[1].str() : std::string();
 }
 
-// The name of the namespace or class that a brace opens, or nothing.
+// The name of the namespace or class that a brace opens; empty if the brace opens another scope.
 std::string ScopeName(const std::string& head) {
   static const std::regex space(R"(namespace\s+([\w:]+)\s*$)");
   static const std::regex type(
@@ -107,7 +108,7 @@ std::set<std::string> MarkedFunctions(std::string_view text) {
   const std::string code = CodeOnly(text);
   std::set<std::string> names;
   std::vector<std::string> scopes;
-  std::string head;  // of the current statement
+  std::string head;  // text of the current statement so far
   int parentheses = 0;
   for (std::size_t i = 0; i < code.size(); ++i) {
     const char c = code[i];
@@ -138,7 +139,7 @@ std::string QualifiedName(std::string_view demangled) {
   static const std::regex unnamed(R"(\(anonymous namespace\)::|\[abi:\w+\])");
   const std::string plain = WithoutTemplateArguments(std::regex_replace(std::string(demangled), unnamed, ""));
   static const std::regex call(R"((\S*operator\s*(?:\(\)|[^\w\s(]+)|\S*?[\w~]+)\s*\()");
-  // The parameters begin at the first parenthesis; a return type ends at a space before the name.
+  // The first parenthesis begins the parameters. The last space before the name ends the return type.
   std::smatch match;
   return std::regex_search(plain, match, call) ? match[1].str() : plain;
 }

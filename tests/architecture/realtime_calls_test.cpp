@@ -15,13 +15,13 @@
 #include "tests/architecture/marked_functions.h"
 #include "tests/temporary_path.h"
 
-// OSTEON_RT promises no heap, lock, exception or system call. These tests check the promise against the calls
-// in the machine code of both built programs.
+// A function marked OSTEON_RT uses no heap, lock, exception or system call. These tests check that by the
+// calls in the machine code of both built programs.
 
 namespace osteon::architecture {
 
-// Marked functions with planted violations, compiled into this test program: the check must find each
-// violation in the machine code.
+// Marked functions that violate the promise on purpose, compiled into this test program. The check must find
+// each violation in the machine code.
 class Planted {
  public:
   virtual ~Planted() = default;
@@ -69,8 +69,8 @@ std::string ReadText(const fs::path& file) {
   return text.str();
 }
 
-// Whether the machine code can be checked: it is optimised and without a sanitizer, as shipped. A sanitizer
-// calls its own library everywhere, and an unoptimised build keeps code that never runs.
+// Whether this build can be checked: only an optimised build without a sanitizer, as it is shipped. A
+// sanitizer calls its own library everywhere, and an unoptimised build contains code that never runs.
 bool CanCheckThisBuild() {
 #if defined(OSTEON_SANITIZED) || !defined(__OPTIMIZE__)
   return false;
@@ -111,14 +111,14 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
     EXPECT_TRUE(forbidden.empty()) << Join(forbidden)
                                    << "call something else, or give it a line with its reason in "
                                    << kRulesFile.string();
-  // the tick's own entry points, and the implementations behind virtual functions
+  // these must be checked as well: the tick's own entry points, and the implementations of virtual functions
   for (const char* name :
        {"osteon::control::ServoLoop::Tick", "osteon::control::LoopRepeat::ReplayStoredTick",
         "osteon::io::FriLink::Receive", "osteon::io::FriLink::Send", "osteon::io::RsiLink::Receive",
         "osteon::io::RsiLink::Send", "osteon::safety::GuardMonitor::OnCommand",
         "osteon::control::EvaluateCoupling"})
     EXPECT_TRUE(check.roots.contains(name)) << name << " is not found in the program";
-  // each rule must be needed by at least one of the programs
+  // each rule must apply in at least one of the programs
   check.roots.insert(studies.roots.begin(), studies.roots.end());
   check.used.insert(studies.used.begin(), studies.used.end());
   EXPECT_GT(check.roots.size(), 350u);
@@ -127,7 +127,7 @@ TEST(RealtimeCalls, NothingMarkedReachesHeapLockOrExceptionInTheBuiltCommands) {
     EXPECT_TRUE(!rule.opaque || check.used.contains(rule.pattern)) << "skips nothing: " << rule.pattern;
 }
 
-// The result for this program's planted violations, under the rules of the tree.
+// The result of the check for the violations in this test program, with the rules of the tree.
 class PlantedCalls : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -139,7 +139,7 @@ class PlantedCalls : public testing::Test {
     if (!CanCheckThisBuild()) GTEST_SKIP() << "skipped, this build's machine code is not what is shipped";
     ASSERT_TRUE(check_.roots.contains("osteon::architecture::Planted::" + marked_)) << marked_;
   }
-  // Whether a chain from the function to the callee is among the forbidden calls.
+  // Whether the forbidden calls contain a chain from this function to this callee.
   static bool Finds(const std::string& function, const std::string& callee) {
     for (const std::string& chain : check_.forbidden)
       if (chain.starts_with("osteon::architecture::" + function) && chain.find(callee) != std::string::npos)

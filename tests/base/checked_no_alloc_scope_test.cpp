@@ -9,7 +9,7 @@
 namespace osteon::rt {
 namespace {
 
-// A new-expression may be optimised away; a call of the function may not.
+// Calls operator new and delete directly: the compiler may remove a new-expression, but not these calls.
 void CallTheHeap() { ::operator delete(::operator new(8)); }
 
 TEST(CheckedNoAllocScope, FailsTheTestIfTheHeapWasCalled) {

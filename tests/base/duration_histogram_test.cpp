@@ -22,7 +22,7 @@ TEST(DurationHistogram, EveryValueLiesInItsBin) {
   }
 }
 
-// Oracle: the sorted values.
+// Oracle: the quantiles of the sorted values.
 TEST(DurationHistogram, QuantilesAreWithinHalfAPercentOfTheSortedValues) {
   std::mt19937_64 random(5);
   std::lognormal_distribution<double> lognormal(std::log(50e3), 1.0);

@@ -16,9 +16,9 @@
 namespace osteon::rt {
 namespace {
 
-constexpr int kPriority = 5;  // SCHED_FIFO, of the waiting thread
+constexpr int kPriority = 5;  // SCHED_FIFO priority of the waiting thread
 
-/// The priority at which the system runs the calling thread: below 0 for a real-time one.
+/// The priority at which the system runs the calling thread; below 0 if it is a real-time priority.
 /// @see proc(5), field 18 of stat
 int CurrentPriority() {
   std::ifstream file("/proc/thread-self/stat");
@@ -51,7 +51,8 @@ TEST(InheritingMutex, OnlyOneThreadHoldsIt) {
   EXPECT_FALSE(taken);
 }
 
-// While a real-time thread waits for the mutex, its holder, an ordinary thread, must run at that priority.
+// While a real-time thread waits for the mutex, the ordinary thread that holds the mutex must run with the
+// waiter's priority.
 TEST(InheritingMutex, TheHolderInheritsThePriorityOfTheWaiter) {
   InheritingMutex mutex;
   std::unique_lock lock(mutex);
@@ -63,7 +64,7 @@ TEST(InheritingMutex, TheHolderInheritsThePriorityOfTheWaiter) {
     ended = !granted;
     const std::lock_guard waits(mutex);
   });
-  // 60 s for a busy machine: with an idle CPU the higher priority comes at once
+  // wait up to 60 s, because the machine may be busy; if a CPU is idle, the priority changes at once
   for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
        CurrentPriority() >= 0 && !ended && std::chrono::steady_clock::now() < end;)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -12,7 +12,7 @@
 namespace osteon::rt {
 namespace {
 
-// Large enough that a copy takes many instructions: a torn copy would show.
+// A value so large that a copy takes many instructions. Thus a torn copy would be noticed.
 struct Large {
   std::array<std::uint64_t, 200> words{};
 };
@@ -57,10 +57,10 @@ TEST(LatestValue, ReadsAreNeverTornNeverGoBackAndEndWithTheLastValue) {
   EXPECT_EQ(before, kLast) << "what was stored before the reader last looked is seen";
 }
 
-// A small value, so that the two threads meet in the hand-over instead of in copies.
+// The value is small, so that the two threads collide while they hand it over, and not while they copy.
 TEST(LatestValue, TenMillionSmallReadsAreNeverTornAndNeverGoBack) {
 #if defined(OSTEON_SANITIZED)
-  constexpr std::uint64_t kLast = 500'000;  // each access is ten times slower there
+  constexpr std::uint64_t kLast = 500'000;  // under a sanitizer each access takes ten times as long
 #else
   constexpr std::uint64_t kLast = 10'000'000;
 #endif

@@ -9,10 +9,10 @@
 namespace osteon::rt {
 namespace {
 
-/// Policy of the calling thread, without its flags.
+/// Scheduling policy of the calling thread, without its flags.
 int Policy() { return sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
 
-/// Whether this process may have real-time priorities.
+/// Whether this process may use real-time priorities.
 bool IsGranted() {
   int policy = SCHED_OTHER;
   std::thread([&] {
@@ -22,12 +22,12 @@ bool IsGranted() {
   return policy == SCHED_FIFO;
 }
 
-/// Made-up clock and CPU time of the thread.
+/// A simulated clock, and the simulated CPU time of the thread.
 struct Times {
   Nanoseconds now{1}, cpu{0};
 };
 
-/// Advances the clock by `ms` milliseconds, in which the thread uses this share of a CPU.
+/// Advances the clock by `ms` milliseconds. The thread uses this share of a CPU meanwhile.
 void Work(PacedPriority& priority, Times& times, double share, int ms) {
   for (int i = 0; i < ms; ++i) {
     times.now += kMillisecond;
@@ -36,7 +36,8 @@ void Work(PacedPriority& priority, Times& times, double share, int ms) {
   }
 }
 
-// The thread loses its priority if it works for more than 80 % of 0.1 s, and regains it below 50 %.
+// The thread loses its real-time priority if it uses more than 80 % of the CPU within 0.1 s. It gets the
+// priority back below 50 %.
 TEST(PacedPriority, DropsIfTheThreadUsesTheWholeCpuAndReturnsLater) {
   const int at_first = Policy();
   const bool is_granted = IsGranted();
@@ -62,7 +63,7 @@ TEST(PacedPriority, TimeSpentWaitingDoesNotCountAsWork) {
     PacedPriority priority;
     Times times;
     Work(priority, times, 0.2, 150);
-    times.now += 10 * kSecond;  // held up in one frame
+    times.now += 10 * kSecond;  // the thread waits for 10 s in one frame
     Work(priority, times, 0.2, 150);
     EXPECT_TRUE(priority.is_lifted());
   }).join();

@@ -13,7 +13,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-// The message with which a check refuses; empty if it accepts.
+// The error message of a check; empty if the check accepts its parameter.
 template <class Check>
 std::string Refusal(Check&& check) {
   try {

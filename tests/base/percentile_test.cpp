@@ -8,7 +8,7 @@
 namespace osteon::base {
 namespace {
 
-// The numbers from `from` down to 1.
+// The whole numbers from `from` down to 1.
 std::vector<double> Falling(int from) {
   std::vector<double> values;
   for (int i = from; i >= 1; --i) values.push_back(i);

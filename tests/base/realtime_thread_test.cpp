@@ -32,7 +32,7 @@ std::vector<int> AllowedCpus() {
   return cpus;
 }
 
-// The CPUs on which the calling thread is seen while it yields now and then.
+// The CPUs on which the calling thread is found, while it yields from time to time.
 std::set<int> CpusRunOn() {
   std::set<int> seen;
   for (int i = 0; i < 50; ++i) {
@@ -42,7 +42,7 @@ std::set<int> CpusRunOn() {
   return seen;
 }
 
-// Runs the body in its own thread, so that the test's process keeps none of its settings.
+// Runs the body in a thread of its own, so that the settings do not stay in the test's process.
 template <class Body>
 void InThread(Body body) {
   std::thread(body).join();
@@ -76,7 +76,8 @@ TEST(RealtimeThread, RunsOnItsReservedCpuAndOtherThreadsDoNot) {
     EXPECT_FALSE(other_ran_on.contains(cpu));
     EXPECT_EQ(other_allowed, std::vector<int>(cpus.begin(), cpus.end() - 1));
     EXPECT_FALSE(CpusRunOn().contains(cpu)) << "nor does the thread that reserved it run there";
-    // a thread that was kept off the CPU still gets it on request: child processes inherit that mask
+    // a thread whose set of CPUs lacks this CPU still gets it on request, because child processes inherit
+    // that set
     ASSERT_EQ(ReserveCpu(cpu), "");
     EXPECT_EQ(SetUpRealtimeThread({.priority = 0, .cpu = cpu}).cpu, cpu);
   });
@@ -118,26 +119,26 @@ TEST(RealtimeThread, HasExactlyThePriorityThatItWasGranted) {
   });
 }
 
-// Page faults of this thread so far that needed no disk.
+// Number of page faults of this thread so far that needed no disk access.
 long PageFaults() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   return usage.ru_minflt;
 }
 
-// Writes to the next `bytes` of the stack.
+// Writes to `bytes` of the stack below the present frame.
 [[gnu::noinline]] void UseStack(std::size_t bytes) {
   auto* const room = static_cast<volatile char*>(alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += 1024) room[i] = 1;
 }
 
-// Counts the page faults of a thread's first deep call, after its stack was touched in advance.
+// A thread's stack is touched in advance. Then its first deep call must cause no page fault.
 TEST(RealtimeThread, ATouchedStackHasNoPageFaultsLeft) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: its shadow memory has faults of its own";
 #endif
   constexpr std::size_t kStack = 512 * 1024;
-  // page faults of the call if so many bytes of stack were touched before
+  // page faults of the deep call, if `prefault` bytes of the stack were touched before
   const auto faults_of = [](std::size_t prefault) {
     long faults = 0;
     InThread([&] {
@@ -155,7 +156,7 @@ TEST(RealtimeThread, LocksMemoryOnlyOnRequest) {
 #if defined(OSTEON_SANITIZED)
   GTEST_SKIP() << "under a sanitizer: it takes mlockall and locks nothing";
 #endif
-  // locked memory of this process; -1 if the system does not tell
+  // size of this process's locked memory [KiB]; -1 if the system does not report it
   const auto locked_kib = [] {
     std::ifstream status("/proc/self/status");
     for (std::string word; status >> word;)
@@ -174,9 +175,9 @@ TEST(RealtimeThread, LocksMemoryOnlyOnRequest) {
   munlockall();
 }
 
-// A granted request keeps /dev/cpu_dma_latency open, and a second request does not open it again.
+// If the request is granted, /dev/cpu_dma_latency stays open. A second request must not open it again.
 TEST(RealtimeThread, KeepsTheCpusAwakeIfItReportsSo) {
-  // number of descriptors that are open on that file
+  // number of this process's descriptors that are open on /dev/cpu_dma_latency
   const auto held = [] {
     int count = 0;
     for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {

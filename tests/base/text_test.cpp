@@ -7,8 +7,8 @@
 namespace osteon::base {
 namespace {
 
-// A file name may contain the control sequence that clears a terminal, after ESC or in its 8-bit form: its
-// bytes must be shown and not reach the terminal.
+// A file name may contain the control sequence that clears a terminal, with ESC or in its 8-bit form. Its
+// bytes must be shown as text and must not reach the terminal as control characters.
 TEST(Printable, ShowsControlCharacters) {
   EXPECT_EQ(Printable("a\x1b[2Jb"), "a\\x1b[2Jb");
   EXPECT_EQ(Printable("bell\a tab\t return\r delete\x7f"), "bell\\x07 tab\\x09 return\\x0d delete\\x7f");

@@ -5,7 +5,7 @@
 namespace osteon::base {
 namespace {
 
-// The sequences of the Unicode Standard, table 3-7, at the limits of each row, and just beyond.
+// Tests the sequences in table 3-7 of the Unicode Standard: at the limits of each row and just beyond them.
 TEST(Utf8, FindsTheLengthOfEachValidSequence) {
   const std::pair<const char*, std::size_t> kSequences[] = {
       {"\x7f", 1},         {"\xc2\x80", 2},     {"\xdf\xbf", 2},         {"\xe0\xa0\x80", 3},

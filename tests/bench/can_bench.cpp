@@ -19,9 +19,11 @@ namespace {
 
 using namespace osteon;
 
-constexpr int kFramesReceived = 5, kFramesSent = 4;  // frames of a tick that includes the drive's cycle
+// number of frames in a tick that includes the drive's cycle
+constexpr int kFramesReceived = 5, kFramesSent = 4;
 
-// The same bus with one system call per frame: CanBus' own loops instead of the tunnel's.
+// The same bus, but with one system call per frame: it uses the loops of the base class CanBus instead of the
+// tunnel's batches.
 class OneByOne final : public io::CanBus {
  public:
   explicit OneByOne(io::CanBus& bus) : bus_(bus) {}
@@ -36,7 +38,7 @@ class OneByOne final : public io::CanBus {
   io::CanBus& bus_;
 };
 
-// A device that accepts all frames and sends as many in a tick as it is told to.
+// A device that accepts all frames and sends a given number of frames in each tick.
 class Client final : public io::CanClient {
  public:
   void Accept(const io::CanArrival& arrival) OSTEON_RT override { seen_ += arrival.frame.data[0]; }

@@ -6,17 +6,17 @@
 
 #include "tests/oracles/depth_table.h"
 
-// Tabulates the accuracy of removal: both scenes, the recommended packings, splitting with more and fewer
-// children, and the paper's rule on its own packings. CSV on standard output:
+// Prints a table of the accuracy of removal as CSV: for both scenes, the recommended packings, splitting into
+// more and into fewer children, and the paper's rule on the paper's own packings.
 //
 //     osteon_depth_table > results/depth.csv
 //
-// Deterministic: the same table on any machine.
+// The table is the same on any machine.
 
 namespace osteon::simulation {
 namespace {
 
-// Measures a scene with one method and one length of the tool's steps, and prints the row of the table.
+// Measures a scene with one method and one step length of the tool, and prints a row of the table.
 void Print(const DepthScene& scene, const DepthMethod& method, double step_m) {
   const DepthRow row = MeasureDepth(scene, method, step_m, {.surface_cells = 60'000, .probe_samples = 6000});
   const CutAccuracy& a = row.accuracy;
@@ -34,7 +34,7 @@ int Main() {
       "left_in_path_mm,swept_mm3,cut_mm2\n");
   const DepthScene block = MakeBlockScene(), cup = MakeCupScene();
   constexpr double kStep_m = 0.1e-3;
-  // numbers of balls and largest radii
+  // numbers of balls, and the largest radius of each packing
   for (const auto& [count, radius_m] : {std::pair{560ul, 2e-3}, {4000ul, 0.9e-3}, {16105ul, 0.5e-3}})
     Print(block, DisjointMethod(block, count, radius_m), kStep_m);
   DepthMethod ours = RecommendedMethod(block);

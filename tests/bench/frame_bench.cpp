@@ -37,7 +37,7 @@ const std::map<std::string, gpu::Arithmetic> kArithmetics{{"int64", gpu::Arithme
                                                           {"floats", gpu::Arithmetic::kFloats},
                                                           {"floats_int64", gpu::Arithmetic::kFloatsInt64}};
 
-// Reads a number that is the whole text and within the bounds. False otherwise.
+// Reads a number. Returns false if the text contains anything else, or if the number is out of bounds.
 template <typename T>
 bool Read(const std::string& text, T& value, T min_value, T max_value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -113,7 +113,7 @@ int Run(const Options& options) {
     return std::move(*engine);
   };
 
-  // run once to the start of the timing; every timed run begins there
+  // run once until the timing may start; every timed run begins in the state that is reached here
   simulation::ContactModel ready;
   simulation::WorkloadPlayer start(work);
   simulation::CarvedState state;

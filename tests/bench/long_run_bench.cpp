@@ -1,9 +1,9 @@
-// Measures the memory for the end of a long run: makes up a recording of that length and reads it as `osteon
-// run` does, each in a process of its own.
+// Measures the memory that the end of a long run needs. One process makes up a recording of that length, and
+// another process reads it as `osteon run` does at its end.
 //
 //     osteon_long_run_bench [HOURS] [FOLDER]
 //
-// Prints size, time and peak resident memory of both. The recording stays in the folder.
+// Prints size, time and peak resident memory of both processes. The recording stays in the folder.
 
 #include <chrono>
 #include <cstdio>

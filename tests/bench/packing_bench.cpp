@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "osteon_packing_bench FILE [BALLS [POINTS]]\n");
     return 2;
   }
-  // the i-th argument, or a default if it is missing
+  // the i-th argument as a number, or `otherwise` if it is missing
   const auto number = [&](int i, std::size_t otherwise) {
     return argc > i ? static_cast<std::size_t>(std::strtoull(argv[i], nullptr, 10)) : otherwise;
   };

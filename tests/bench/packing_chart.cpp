@@ -1,12 +1,13 @@
-// Compares coverage and surface gap against the number of spheres and against time: Osteon's packings and
-// OpenVDB's fillWithSpheres, on the same meshes, alternating in one run, measured alike (MeasurePacking).
+// Compares Osteon's packings with OpenVDB's fillWithSpheres: coverage and surface gap over the number of
+// spheres and over time. Both pack the same meshes, alternate in one run, and are measured by the same
+// function (MeasurePacking).
 //
 //     osteon_packing_chart MESH… --out DIR [--counts N,N…] [--full] [--samples N] [--threads N]
 //
 // Writes packing_chart.csv and, for each mesh, packing_chart_<mesh>.svg. Seconds are wall time from the
 // checked mesh to the spheres: for Osteon the search tree and the packing, for OpenVDB the level set and the
-// filling (which uses every core, whatever --threads says). --full adds 100 000 spheres, at which OpenVDB
-// takes minutes.
+// filling, which uses every core in spite of --threads. --full adds 100 000 spheres, at which OpenVDB takes
+// minutes.
 
 #include <algorithm>
 #include <chrono>
@@ -45,7 +46,8 @@ struct Options {
 constexpr const char* kUsage =
     "usage: osteon_packing_chart MESH… --out DIR [--counts N,N…] [--full] [--samples N] [--threads N]";
 
-/// Reads an option's whole number. @throws std::invalid_argument if it is none or outside the bounds
+/// Reads the whole number in an option's text. @throws std::invalid_argument if the text is no whole number
+/// or the number is out of bounds
 std::size_t ToCount(const std::string& option, const std::string& text, std::size_t min_value,
                     std::size_t max_value) {
   std::size_t end = 0, value = 0;
@@ -111,10 +113,10 @@ struct Method {
   std::function<std::vector<simulation::Ball>(std::size_t count, double& seconds)> pack;
 };
 
-/// Osteon's methods, and OpenVDB's beside them if this executable was built with it.
+/// All of Osteon's methods, and OpenVDB's if this executable was built with OpenVDB.
 std::vector<Method> Methods(const simulation::LoadedMesh& loaded, int threads) {
   using Clock = std::chrono::steady_clock;
-  // adds the time of the search tree to that of one of Osteon's packings
+  // a method of Osteon, whose time includes building the search tree
   const auto ours = [&loaded](const auto& pack) {
     return [&loaded, pack](std::size_t count, double& seconds) {
       const auto start = Clock::now();
@@ -182,7 +184,8 @@ void AppendCsv(const std::string& mesh, const std::vector<Row>& rows, std::ostre
   }
 }
 
-/// Draws coverage and gap, each over spheres and over seconds; all axes logarithmic except coverage's.
+/// Draws coverage and surface gap, each over the number of spheres and over the time. Only the axes of
+/// coverage are linear.
 std::string Chart(const std::vector<Row>& rows) {
   std::vector<std::string> names;
   for (const Row& row : rows)

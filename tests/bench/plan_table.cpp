@@ -7,19 +7,20 @@
 
 #include "session/planning/plan.h"
 
-// Plans twelve requests, carries them out and measures the result, as `osteon plan --check` does for one. CSV
-// on standard output:
+// Plans twelve requests, carries out the plans and measures the results, as `osteon plan --check` does for
+// one plan. Prints CSV:
 //
 //     osteon_plan_table [DEVICE] > results/plan.csv
 //
-// Or, for the same requests, times graded and split balls in turn: the basis of a plan's choice between them.
+// With --kinds, times graded balls and split balls in turn for the same requests. A plan's choice between the
+// two kinds is based on these times:
 //
 //     osteon_plan_table --kinds [DEVICE] > results/packing_kinds.csv
 
 namespace osteon::app {
 namespace {
 
-// A request to plan.
+// A request to `osteon plan`.
 struct Row {
   const char* scene;
   double error_mm, rate_hz;
@@ -31,7 +32,7 @@ constexpr Row kRows[] = {
     {"thin_plate", 0.1, 500},     {"thin_plate", 0.04, 500},   {"sawbone_block", 0.08, 500},
     {"sawbone_block", 0.03, 500}, {"femoral_canal", 0.2, 500}, {"femoral_canal", 0.06, 500}};
 
-// Loads the scene of a request, below OSTEON_ROOT or the current folder.
+// Loads a request's scene from a path relative to OSTEON_ROOT or to the current folder.
 session::PlanScene Load(const Row& row) {
   const char* root = std::getenv("OSTEON_ROOT");
   auto scene = session::LoadPlanScene(
@@ -67,7 +68,7 @@ int CompareKinds(const session::EngineChoice& engine) {
   return 0;
 }
 
-// Plans and checks each request. Returns the exit code: 1 if a plan misses what it predicted.
+// Plans and checks each request. Returns the exit code: 1 if a result misses its plan's prediction.
 int PlanAll(const session::EngineChoice& engine) {
   std::printf(
       "scene,error_mm,rate_hz,packing,spheres,tool_spheres,arm_level,predicted_error_mm,measured_error_mm,"

@@ -1,6 +1,6 @@
-// Times the two calls of a haptic device's loop through the C interface, while an engine reams in another
-// thread. For comparison it times a computation of about the same length that uses no memory: its longest
-// time shows how much the machine itself delays a thread.
+// Times the two calls that a haptic device's loop makes through the C interface, while an engine reams in
+// another thread. For comparison, times a computation of about the same duration that uses no memory. The
+// computation's longest time shows how much the machine itself delays a thread.
 //
 //     osteon_plugin_bench [SECONDS] > plugin.json
 
@@ -34,7 +34,8 @@ double Quantile(const std::vector<double>& sorted, double share) {
 
 constexpr int kRoots = 400;  // about 2 us of computation
 
-// A chain of square roots, each of the result before. It uses neither memory nor another thread.
+// A chain of square roots, each taken of the previous result. The computation uses neither memory nor another
+// thread.
 double ChainOfRoots(double x) {
   for (int i = 0; i < kRoots; ++i) x = std::sqrt(x + 1.0);
   return x;
@@ -76,11 +77,11 @@ int main(int argc, char** argv) {
   call_us.reserve(ticks);
   machine_us.reserve(ticks);
   double largest_N = 0.0, root = 0.0;
-  osteon::rt::RaisePriority();  // as a device's thread has it
+  osteon::rt::RaisePriority();  // the same priority as a device's thread has
   osteon::rt::Nanoseconds due = osteon::rt::MonotonicNow();
   for (std::size_t i = 0; i < ticks; ++i) {
     osteon::rt::SleepUntil(due += 1'000'000);
-    // within the time down to the cup's floor and 1 mm into it
+    // moves down during the run: to the cup's floor and 1 mm into it
     Check(osteon_bone_approach(bone, -0.016 - 0.009 * static_cast<double>(i) / static_cast<double>(ticks),
                                &pose));
     OsteonWrench wrench;

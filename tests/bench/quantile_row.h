@@ -8,7 +8,7 @@
 
 namespace osteon {
 
-/// Sorts the times and prints a CSV row: what, median, 99th percentile, maximum, in ns.
+/// Sorts the times and prints a CSV row: the name `what`, then median, 99th percentile and maximum in ns.
 inline void PrintQuantiles(const char* what, std::vector<rt::Nanoseconds>& ns) {
   std::sort(ns.begin(), ns.end());
   const auto at = [&](double share) {

@@ -1,9 +1,10 @@
-// Measures the cost of recording in the tick: Push at 1 kHz, while the writer's threads write a file.
+// Measures how much time recording costs in a tick: calls Push at 1 kHz, while the writer's threads write a
+// file.
 //
 //     osteon_record_bench [SECONDS] [FILE]
 //
 // Prints median, 99th percentile and maximum of Push, of the copy of the inputs into the record, and of the
-// clock that measures both, in ns; and the growth of the file.
+// clock that measures both, in ns. Prints the growth of the file as well.
 
 #include <algorithm>
 #include <cstdio>
@@ -43,11 +44,11 @@ int main(int argc, char** argv) {
     control::TickInput given = tick.input;
     rt::SleepUntil(next += rt::kMillisecond);
     tick.stamp = given.now = rt::MonotonicNow();
-    // t0 to t1: the clock alone; t1 to t2: the copy of the inputs; t2 to t3: Push
+    // t0 to t1 times the clock alone, t1 to t2 the copy of the inputs, t2 to t3 the call of Push
     const rt::Nanoseconds t0 = rt::MonotonicNow();
     const rt::Nanoseconds t1 = rt::MonotonicNow();
     tick.input = given;
-    // completes the copy before the clock is read
+    // makes the compiler complete the copy before the clock is read
     asm volatile("" ::"g"(&tick) : "memory");
     const rt::Nanoseconds t2 = rt::MonotonicNow();
     (void)(*recorder)->Push(tick);

@@ -7,7 +7,7 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToSpheres.h>
 
-// Spheres by OpenVDB, for a build that has this library.
+// Fills a mesh with spheres by OpenVDB, in a build that has this library.
 
 namespace osteon::bench {
 
@@ -16,8 +16,9 @@ std::string VdbVersion() { return OPENVDB_LIBRARY_VERSION_STRING; }
 VdbSpheres FillWithVdb(const simulation::TriangleMesh& mesh, std::size_t count, bool overlapping) {
   constexpr double kVoxel_mm = 0.5, kMm = 1e3;
   constexpr float kBand_voxels = 3.0f, kMinRadius_voxels = 0.1f;
-  // Number of candidate places for spheres. Too few reduce coverage (0.776 with 1 M against 0.717 with 100 k,
-  // for 10 000 disjoint spheres in a hip bone); each candidate costs time for each sphere.
+  // Bounds of the number of candidate centres. With too few candidates, coverage falls (10 000 disjoint
+  // spheres in a hip bone: 0.776 with 1 M candidates, 0.717 with 100 k). Each candidate costs time for each
+  // sphere.
   constexpr int kMinInstances = 100'000, kMaxInstances = 1'000'000;
   openvdb::initialize();
   using Clock = std::chrono::steady_clock;

@@ -10,8 +10,8 @@
 #include "config/reading/sections/read_gains.h"
 #include "tests/config/cell_text.h"
 
-// Tests a cell's keys for the virtual tool's centre and locked axes and for the compensation of the tool's
-// inertia, and gains that are read again during a run.
+// Tests a cell's keys for the virtual tool's centre and locked axes, and for the compensation of the tool's
+// inertia. Also tests gains that are read again during a run.
 
 namespace osteon::config {
 namespace {
@@ -26,14 +26,14 @@ class AdmittanceKeys : public testing::Test {
     fs::remove(cell_);
     fs::remove(gains_);
   }
-  // Loads a cell from its text, with a file of gains unless that text is empty.
+  // Loads a cell from its text. If `gains` is not empty, it is the text of the cell's gains file.
   CellConfig LoadText(const std::string& yaml, const std::string& gains = "") const {
     std::ofstream(cell_) << yaml;
     if (gains.empty()) return LoadCell(cell_);
     std::ofstream(gains_) << gains;
     return LoadCell(cell_, {}, gains_);
   }
-  // The error of such a cell; "nothing" if it is accepted.
+  // The error of loading such a cell; "nothing" if it is accepted.
   std::string Refusal(const std::string& yaml, const std::string& gains = "") const {
     try {
       static_cast<void>(LoadText(yaml, gains));
@@ -42,7 +42,7 @@ class AdmittanceKeys : public testing::Test {
     }
     return "nothing";
   }
-  // Reads the file of gains with a new text, as in a running cell.
+  // Replaces the text of the gains file and reads it again, as a running cell does.
   control::Gains ReadGains(const CellConfig& cell, const std::string& text) const {
     std::ofstream(gains_) << text;
     return ReadGainsAgain(gains_, cell.servo.law, cell.own_gains, cell.servo.coupling.max_stiffness_N_per_m);
@@ -55,7 +55,7 @@ class AdmittanceKeys : public testing::Test {
     }
     return "nothing";
   }
-  // The text of a shipped cell with a line added to one of its sections.
+  // The text of a shipped cell, with a line added to one section.
   static std::string With(const std::string& section, const std::string& line,
                           const char* name = "thin_plate") {
     std::string yaml = CellText(name);

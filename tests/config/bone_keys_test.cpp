@@ -8,7 +8,8 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests the keys for a cell's own bone and for bounds in the bone's frame, and a cell without a simulation.
+// Tests the keys that place a cell's own bone, the keys for bounds in the bone's frame, and a cell without a
+// simulation.
 
 namespace osteon::config {
 namespace {
@@ -24,7 +25,7 @@ class BoneKeys : public testing::Test {
     io::test::WriteAll(folder_.path() / "my.yaml", text);
     return LoadCell(folder_.path() / "my.yaml");
   }
-  // The error of a cell of this text; empty if it is accepted.
+  // The error of loading a cell of this text; empty if it is accepted.
   std::string Refusal(const std::string& text) const {
     try {
       static_cast<void>(Load(text));
@@ -69,7 +70,8 @@ TEST_F(BoneKeys, TheBoneMayBeAScene) {
   EXPECT_TRUE(cell.scene.mesh_tissue.solid.image);
 }
 
-// The demo's bounds, given in the bone's frame, equal those in the world, and they move with the bone.
+// The demo's bounds are given in the bone's frame. They must equal the bounds given in the world, and must
+// move with the bone.
 TEST_F(BoneKeys, BoundsInTheBonesFrameMoveWithTheBone) {
   const std::string bounds =
       "workspace: {frame: bone, sphere_center_mm: [0, 0, 50], sphere_radius_mm: 150, plane_normal_axis: [0, "

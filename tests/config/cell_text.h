@@ -13,10 +13,9 @@
 
 namespace osteon::config {
 
-/// Text of a shipped cell with all values of the cell that it extends, and with absolute paths for the files
-/// that it names, so that it can be read from any folder. The demo's own text has its comments, the others'
-/// have none.
-/// @param name  under config/cells
+/// Text of a shipped cell, complete with all values of the cell that it extends. Files are named by absolute
+/// paths, so the text can be loaded from any folder. Only the demo's text has its comments.
+/// @param name  name of a cell under config/cells
 inline std::string CellText(const std::string& name) {
   const std::filesystem::path shipped = OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml";
   const auto read = [](const std::filesystem::path& file) {
@@ -56,7 +55,7 @@ inline CellConfig LoadText(const std::string& yaml) {
   }
 }
 
-/// Error of a text; empty if it is accepted.
+/// The error of loading a text; empty if it is accepted.
 inline std::string Refusal(const std::string& yaml) {
   try {
     static_cast<void>(LoadText(yaml));
@@ -66,7 +65,7 @@ inline std::string Refusal(const std::string& yaml) {
   return "";
 }
 
-/// The text with the first `before` replaced.
+/// The text with the first occurrence of `before` replaced by `after`.
 inline std::string With(std::string yaml, const std::string& before, const std::string& after) {
   const std::size_t at = yaml.find(before);
   if (at == std::string::npos) throw std::logic_error("the cell has changed: " + before);

@@ -10,8 +10,8 @@
 #include "config/reading/sections/read_compliance.h"
 #include "tests/config/cell_text.h"
 
-// The section `compliance` of a cell: which parts give way, when `auto` turns a part on, and which values are
-// refused.
+// Tests a cell's section `compliance`: which parts yield, when the setting `auto` switches a part on, and
+// which values are refused.
 
 namespace osteon::config {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A bone on a mount that gives way, for the section `compliance` of the demo cell.
+// A bone on an elastic mount, for the section `compliance` of the demo cell.
 constexpr const char* kMount =
     "\n  mount: on\n  bone_mount:\n    source: assumed\n    at_mm: [620, 0, 130]\n    mass_kg: 12\n"
     "    inertia_kg_m2: [0.12, 0.12, 0.12]\n    stiffness_N_per_mm: [47.4, 47.4, 47.4]\n"
@@ -30,7 +30,7 @@ std::string WithCompliance(const std::string& cell, const std::string& section) 
   return CellText(cell) + "\ncompliance:" + section + "\n";
 }
 
-// The tool's compliance in a shipped cell, with the decision of `auto`.
+// The tool's compliance in a shipped cell, for which `auto` decides whether it is on.
 CompliancePart ToolOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {tool: auto}")))[0];
 }
@@ -40,12 +40,14 @@ TEST(ComplianceKeys, WithoutTheSectionNothingGivesWay) {
     EXPECT_FALSE(LoadText(CellText(cell)).servo.compliance.any()) << cell;
 }
 
-// Decisions of `auto` in the shipped cells, and the figures that decide it (table of the design).
+// The decision of `auto` about the tool in each shipped cell, and the figures on which it is based (from the
+// design's table).
 TEST(ComplianceKeys, AutoTurnsTheToolOnWhereItsBendingIsNoticed) {
   struct Row {
     const char* cell;
-    double k_N_per_mm, bends_mm;   // stiffness at the apex, displacement under the push
-    double product, felt, thrust;  // coupling stiffness × compliance, change felt, push / buckling load
+    double k_N_per_mm, bends_mm;  // stiffness at the apex; displacement under the push force
+    // coupling stiffness × compliance; change of the felt stiffness; push force / buckling load
+    double product, felt, thrust;
     bool on;
   };
   for (const Row& row : {Row{"demo", 847.8, 0.041, 0.0236, -0.023, 0.002, false},
@@ -65,12 +67,13 @@ TEST(ComplianceKeys, AutoTurnsTheToolOnWhereItsBendingIsNoticed) {
   }
 }
 
-// The surface layer's compliance in a shipped cell, with the decision of `auto`.
+// The surface layer's compliance in a shipped cell, for which `auto` decides whether it is on.
 CompliancePart LayerOf(const std::string& cell) {
   return CompliancePartsOf(LoadText(WithCompliance(cell, " {layer: auto}")))[1];
 }
 
-// A reamer does not feel the demo's cartilage, which yields less than the scene's error below it.
+// `auto` leaves the demo's cartilage off: a hand does not feel it through the reamer, and it yields less than
+// the error that the scene accepts.
 TEST(ComplianceKeys, AutoLeavesTheDemosCartilageOff) {
   const CompliancePart part = LayerOf("demo");
   ASSERT_TRUE(part.known);
@@ -102,7 +105,8 @@ TEST(ComplianceKeys, AutoTurnsOnPartsThatAreFelt) {
   EXPECT_TRUE(CompliancePartsOf(drill)[0].effect.is_felt);
 }
 
-// A reamer of 44 mm touches only a part of the cup of 48 mm.
+// A reamer of 44 mm touches only a part of the cup of 48 mm, so the layer yields more than under the demo's
+// reamer.
 TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
   const std::string cup = WithCompliance("demo", " {layer: auto}");
   const CompliancePart narrow =
@@ -112,7 +116,8 @@ TEST(ComplianceKeys, ALayerYieldsByTheAreaThatTheToolEngages) {
   EXPECT_GT(narrow.effect.gives_m, LayerOf("demo").effect.gives_m);
 }
 
-// A ball of 25 mm radius on a flat layer, felt through a coupling of 20 N/mm (table of the design).
+// A ball with a radius of 25 mm on a flat layer, felt through a coupling of 20 N/mm. The figures are those of
+// the design's table.
 TEST(ComplianceKeys, TheLayersLawGivesTheFiguresOfTheDesign) {
   struct Row {
     double kappa_N_per_mm3, thickness_mm, delta_mm[3], k_N_per_mm, felt_N_per_mm;
@@ -125,7 +130,7 @@ TEST(ComplianceKeys, TheLayersLawGivesTheFiguresOfTheDesign) {
     layer.kappa_N_per_m3[0] = 1e9 * row.kappa_N_per_mm3;
     layer.touch_area_m2 = std::numbers::pi * 0.025 * layer.engaged_layer_m;
     layer.max_area_m2 = std::numbers::pi * 0.025 * 0.025;
-    const double bound_mm = 0.4 * row.thickness_mm;  // at which the loop's law ends
+    const double bound_mm = 0.4 * row.thickness_mm;  // the loop's law limits the indentation to this value
     const double forces_N[3] = {5.0, 20.0, 100.0};
     for (int i = 0; i < 3; ++i)
       EXPECT_NEAR(1e3 * LayerDeflection_m(layer, forces_N[i], 0.0), std::min(row.delta_mm[i], bound_mm),
@@ -140,7 +145,7 @@ TEST(ComplianceKeys, ValuesOfTheSectionReachTheLoop) {
   const CellConfig drill = LoadText(CellText("long_drill"));
   ASSERT_TRUE(drill.servo.compliance.tool);
   const control::ToolLinkParams& tool = *drill.servo.compliance.tool;
-  // the thrust of 60 N, at a buckling load of 422.6 N, lowers the stiffness of 8720 N/m at the apex
+  // a thrust of 60 N, with a buckling load of 422.6 N, reduces the stiffness of 8720 N/m at the apex
   const double factor = 1.0 / (1.0 - 60.0 / 422.6);
   EXPECT_NEAR(1.0 / tool.compliance_T(0, 0), 8720.0 / factor, 87.2);
   EXPECT_EQ(tool.tau_s, 0.020);
@@ -178,8 +183,8 @@ TEST(ComplianceKeys, AnUnstablePartIsRefusedWithTheNeededValue) {
                     HasSubstr("at least 0.05")));
   EXPECT_THAT(refusal("mass_kg: 12\n", "mass_kg: 0.2\n"),
               AllOf(HasSubstr("mass_kg"), HasSubstr("found 0.2, accepted at least 0.42")));
-  // With a coupling of 100 N/mm and a bone of 2 kg, the virtual tool meets a wall of nearly twice the
-  // stiffness.
+  // With a coupling of 100 N/mm and a bone mass of 2 kg, a wall of nearly twice the stiffness acts on the
+  // virtual tool.
   const std::string stiff_coupling =
       With(WithCompliance("demo", kMount), "coupling:\n  stiffness_N_per_mm: 20\n",
            "coupling:\n  stiffness_N_per_mm: 100\n");
@@ -190,15 +195,15 @@ TEST(ComplianceKeys, AnUnstablePartIsRefusedWithTheNeededValue) {
   EXPECT_THAT(Refusal(WithCompliance("demo", " {mount: on}")),
               HasSubstr("accepted with `bone_mount` beside it"));
   EXPECT_THAT(Refusal(WithCompliance("sawbone_block", " {layer: on}")), HasSubstr("layer_N_per_mm3"));
-  // a coupling of 80 N/mm on a drill of 3.2 mm needs a relaxation of more than 20 ms
+  // a coupling of 80 N/mm and a drill of 3.2 mm need a relaxation time of more than 20 ms
   std::string stiff = CellText("long_drill");
   stiff = With(stiff, "stiffness_N_per_mm: 60", "stiffness_N_per_mm: 80");
   EXPECT_THAT(Refusal(stiff),
               AllOf(HasSubstr("relaxation_ms"), HasSubstr("found a"), HasSubstr("accepted at least")));
 }
 
-// The rules for a mount's motion along an axis hold for its swing about the axis too, at the site's lever
-// arm.
+// The rules for a mount's translation along an axis also hold for its rotation about the axis, with the lever
+// from the mount to the site.
 TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
   const auto mounted = [](const std::string& cell, const std::string& inertia, const std::string& stiffness,
                           const std::string& at) {
@@ -207,7 +212,8 @@ TEST(ComplianceKeys, AMountThatSwingsTooFastOrTooFreelyIsRefused) {
     return With(text, "at_mm: [620, 0, 130]", at);
   };
   const std::string pelvis = "at_mm: [620, 0, 130]";
-  // least inertia (20 N/mm · L² + k_r) T² / 0.16, with L = 80 mm below the cup's centre and a period T = 1 ms
+  // the least inertia is (20 N/mm · L² + k_r) T² / 0.16, with the lever L = 80 mm from the pivot to the cup's
+  // centre, the rotational stiffness k_r and the period T = 1 ms
   EXPECT_THAT(Refusal(mounted("demo", "[0.12, 0.005, 0.12]", "[2000, 2000, 2000]", pelvis)),
               AllOf(HasSubstr("inertia_kg_m2"), HasSubstr("found 0.005 about y, accepted at least 0.0133"),
                     HasSubstr("lever of 80 mm")));

@@ -7,7 +7,8 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests the record of the files that a configuration is read from, and its restriction to one folder.
+// Tests the list of the files from which a configuration is read, and the restriction of these files to one
+// folder.
 
 namespace osteon::config {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 
-// The recorded files, relative to config/ and sorted.
+// The files in the tracker's list, relative to config/ and sorted.
 std::vector<std::string> NamesOf(const ConfigFileTracker& scope) {
   std::vector<std::string> names;
   for (const ConfigFileTracker::File& file : scope.files())
@@ -67,14 +68,14 @@ TEST(ConfigFileTracker, RecordsNothingOutsideItsLifetime) {
   EXPECT_TRUE(scope.files().empty());
 }
 
-// A copy of config/, from which cells are loaded with a tracker that may allow only files below one folder.
+// A copy of config/. Cells are loaded from it with a tracker that may accept only files below one folder.
 class RestrictedToAFolder : public testing::Test {
  protected:
   RestrictedToAFolder() {
     fs::copy(kConfig, folder_.path() / "in", fs::copy_options::recursive);
     text_ = io::test::ReadAll(kConfig / "cells/demo.yaml");
   }
-  // Loads the demo cell with another robot file from the folder; returns an empty string, or the error.
+  // Loads the demo cell with this robot file from the folder. Returns the error; empty if there is none.
   std::string Load(const std::string& robot, ConfigFileTracker::Params params) {
     std::string text = text_;
     const std::string name = "lbr_iiwa_14_r820";
@@ -115,7 +116,8 @@ TEST_F(RestrictedToAFolder, ANameIsFoundBesideTheCellsThenAmongTheShippedFiles) 
       << Load("lbr_iiwa_14_r820", held);
   SetShippedFolder(kConfig);
   EXPECT_EQ(Load("lbr_iiwa_14_r820", {}), "");
-  // a recording keeps the shipped file in a folder of its kind, wherever that is below the root
+  // a recording keeps a copy of the shipped file in a folder of the same kind (robots), which may be anywhere
+  // below the recording's folder
   fs::create_directories(folder_.path() / "in/far/away");
   fs::rename(folder_.path() / "robots", folder_.path() / "in/far/away/robots");
   EXPECT_EQ(Load("lbr_iiwa_14_r820", held), "");

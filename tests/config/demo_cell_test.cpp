@@ -8,7 +8,8 @@
 #include "control/loop/servo_loop.h"
 #include "tests/kinematics/iiwa14.h"
 
-// Checks the shipped demo cell: against the sources of its figures, in the loop, and for what reaming needs.
+// Tests the shipped demo cell: its figures against their sources, its values in the loop, and its reach for
+// reaming.
 
 namespace osteon::config {
 namespace {
@@ -109,16 +110,17 @@ TEST_F(DemoCellTest, ToolStartsAboveTheCupPointingIntoIt) {
   // the operator's script begins exactly at the arm's start
   const Pose X_script = hil::MakeScript(cell_.script).Sample(0.0).X_WT;
   EXPECT_LT((X_script.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
-  // forward kinematics of the start's joints, by the whole chain W B F T
+  // forward kinematics of the start's joints, along the whole chain of frames: world, base, flange, tool
   const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const Pose X_WT = cell_.X_WB * arm.FlangePose(cell_.start.q) * cell_.tool.X_FT;
   EXPECT_LT((X_WT.matrix() - cell_.start.X_WT.matrix()).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// Reaming needs these poses: the head's centre from 100 mm above the cup's to 40 mm below it and 20 mm to
-// each side, tilted about that centre by up to 15 deg in any direction. In each the joints must be far from
-// their limits, and the arm must move the tool in every direction, which the smallest singular value of the
-// apex's Jacobian shows, with rotation weighted by 0.1 m/rad.
+// Reaming needs the following poses. The head's centre moves from 100 mm above the cup's centre to 40 mm
+// below it, and 20 mm to each side. The tool tilts about the head's centre by up to 15 deg in any direction.
+// In each pose, the joints must be far from their limits, and the arm must be able to move the tool in every
+// direction. The measure of the latter is the smallest singular value of the apex's Jacobian, with rotation
+// weighted by 0.1 m/rad.
 TEST_F(DemoCellTest, ArmReachesAllReamingPosesFarFromLimitsAndSingularities) {
   const kinematics::LbrArm arm(cell_.robot.lbr()->params);
   const double head_m = cell_.tool.tool.balls.front().radius_m;
@@ -156,8 +158,8 @@ TEST_F(DemoCellTest, ArmReachesAllReamingPosesFarFromLimitsAndSingularities) {
   RecordProperty("least_singular_value", std::to_string(least_singular));
   EXPECT_EQ(poses, 8 * 9 * 13);
   EXPECT_GE(least_margin_rad, 20.0 * kDegree);
-  // 0.0384 found; motion at 0.25 m/s in the worst direction then takes less than 0.25/0.035 = 7.1 rad/s of
-  // all joints together
+  // the value found is 0.0384. With 0.035, a motion at 0.25 m/s in the worst direction takes at most
+  // 0.25/0.035 = 7.1 rad/s (norm over all joints)
   EXPECT_GE(least_singular, 0.035);
 }
 

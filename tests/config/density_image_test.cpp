@@ -15,8 +15,8 @@
 #include "config/reading/load.h"
 #include "simulation/bone/scenes.h"
 
-// Tests scenes whose density, and thereby material, comes from a grey PNG: columns are heights, rows are
-// depths.
+// Tests scenes whose density comes from a grey PNG, and whose material follows from the density. The image's
+// columns are heights, its rows are depths.
 
 namespace osteon::config {
 namespace {
@@ -29,10 +29,10 @@ const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 // A PNG file that a test writes.
 struct Picture {
   std::uint32_t width{1}, height{2};
-  int depth{8};  // bits
+  int depth{8};  // bits per sample
   int kind{PNG_COLOR_TYPE_GRAY};
-  std::vector<std::uint8_t> bytes;  // row by row as in the file: 16 bits with the high byte first
-  double gamma{0.0};                // 0: none in the file
+  std::vector<std::uint8_t> bytes;  // row by row as in the file; a sample of 16 bits has its high byte first
+  double gamma{0.0};                // 0: the file states no gamma
 };
 
 void WritePng(const fs::path& path, const Picture& picture) {
@@ -62,15 +62,15 @@ void WriteText(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
-// The text with the first `from` replaced, which must be there.
+// The text with the first occurrence of `from` replaced. It must occur.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << "the test is out of date: no " << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-// A scene's section about its image: 3 rows at depths of 0, 2 and 4 mm, 2 columns at heights of 5 and 15 mm.
-// A grey level is 0.01 g/cm³.
+// A scene's section about its image: 3 rows at the depths 0, 2 and 4 mm, 2 columns at the heights 5 and 15
+// mm. One grey level is 0.01 g/cm³.
 constexpr const char* kImage =
     "\n  density_image:\n"
     "    file: profile.png\n"
@@ -105,7 +105,7 @@ class DensityImages : public ::testing::Test {
                                 "\n  layers: []\n  core: cortical\n  regions",
                                 "\n  layers: []\n  core: cortical" + image + "  regions"));
   }
-  /// The error of the scene, which must have a line; "accepted" if there is none.
+  /// The error of loading the scene. It must name a line. "accepted" if there is no error.
   std::string Refusal() {
     try {
       static_cast<void>(LoadScene(scene()));
@@ -116,7 +116,7 @@ class DensityImages : public ::testing::Test {
     }
     return "accepted";
   }
-  /// The error of the scene with another image.
+  /// The error of loading the scene with another image.
   std::string RefusalOf(const Picture& changed) {
     WritePng(picture(), changed);
     return Refusal();
@@ -132,7 +132,7 @@ TEST_F(DensityImages, PixelsOf8BitsBecomeDensities) {
   const simulation::DensityImage& image = *tissue.solid.image;
   EXPECT_EQ(image.rows, 2);
   EXPECT_EQ(image.columns, 3);
-  constexpr double kRounding = 1e-3;  // of floats up to 2550 kg/m³
+  constexpr double kRounding = 1e-3;  // rounding error [kg/m³] of floats up to 2550 kg/m³
   EXPECT_NEAR(image.DensityAt(0.000, 0.005), 0.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.000, 0.015), 510.0, kRounding);
   EXPECT_NEAR(image.DensityAt(0.002, 0.005), 1020.0, kRounding);
@@ -140,7 +140,7 @@ TEST_F(DensityImages, PixelsOf8BitsBecomeDensities) {
   EXPECT_NEAR(image.DensityAt(0.001, 0.010), 70.0, kRounding);
 }
 
-// A PNG's gamma is for display only: 0x8000 is half of the range, whatever gamma the file has.
+// A PNG's gamma concerns only its display. 0x8000 is half of the range, whatever gamma the file states.
 TEST_F(DensityImages, TheGammaOfAPngChangesNoLevel) {
   for (const double gamma : {0.0, 0.45455, 1.0}) {
     WritePng(picture(), {.width = 2,
@@ -183,7 +183,7 @@ TEST_F(DensityImages, DamagedAndUnsuitablePngsAreRefused) {
                                 (size < 8 ? std::string("no PNG") : std::string("a PNG cut off after "))));
     ASSERT_THAT(what, HasSubstr(accepted));
   }
-  // change each byte except those of the last checksum, which nothing reads
+  // changes each byte, except for the last checksum, which no reader uses
   for (std::size_t at = 0; at + 4 < whole.size(); ++at) {
     std::string changed = whole;
     changed[at] = static_cast<char>(changed[at] ^ 0x11);
@@ -234,7 +234,7 @@ TEST_F(DensityImages, InvalidValuesAreRefusedWithLineKeyAndAcceptedValues) {
   }
 }
 
-// A scene may name any material: the cell's file of materials must have it.
+// A scene may name any material. The materials file of the cell must contain it.
 TEST_F(DensityImages, AMaterialThatTheCellDoesNotHaveIsRefused) {
   const fs::path root = folder_ / "config";
   fs::copy(kConfig, root, fs::copy_options::recursive);
@@ -250,7 +250,7 @@ TEST_F(DensityImages, AMaterialThatTheCellDoesNotHaveIsRefused) {
   }
 }
 
-// A box of 20 mm, z up from 0, in millimetres.
+// Text of a mesh [mm]: a box of 20 mm whose lower face is at z = 0.
 constexpr const char* kBox =
     "v -10 -10 0\nv 10 -10 0\nv 10 10 0\nv -10 10 0\nv -10 -10 20\nv 10 -10 20\nv 10 10 20\nv -10 10 20\n"
     "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 "
@@ -263,8 +263,8 @@ TEST_F(DensityImages, TheMaterialInAMeshFollowsTheImage) {
       folder_ / "box.obj", 1.0,
       {.center_m = Vector3(0, 0, 0.020), .axis = Vector3(0, 0, 1), .radius_m = 0.002}, params);
   ASSERT_TRUE(solid) << solid.error().message;
-  // g/cm^3: 2 at the lower end and 1 at the upper one down to 2 mm, then falling to 0.2 at 4 mm; the core is
-  // cortical
+  // density [g/cm³] at the image's pixels: 2 at the height of 5 mm and 1 at 15 mm, down to 2 mm depth; from
+  // there it falls to 0.2 at 4 mm depth. The core below is cortical
   const auto at = [&](double depth_m, double height_m) {
     return params.material_names.at(solid->solid->MaterialAt({0.010 - depth_m, 0.0, height_m}));
   };
@@ -279,7 +279,7 @@ TEST_F(DensityImages, TheMaterialInAMeshFollowsTheImage) {
   EXPECT_EQ(at(0.0039, 0.0100), "cancellous");
   EXPECT_EQ(at(0.0041, 0.0100), "cortical") << "the core";
 
-  // packed: every material of the image has a share of the volume
+  // after packing, every material of the image must have a share of the volume
   const auto materials = LoadMaterials(kConfig / "materials/bone.yaml");
   for (const std::string& name : params.material_names)
     params.materials.push_back(*std::ranges::find(materials, name, &simulation::Material::name));

@@ -5,14 +5,14 @@
 #include "tests/config/cell_text.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests WriteDerived, which writes a cell with some changed values into one file.
+// Tests WriteDerived, which writes a cell with some changed values into a single file.
 
 namespace osteon::config {
 namespace {
 
 const std::filesystem::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
-// The file lies in another folder than the cell, and loads there.
+// The file is written into another folder than the cell's, and must load there.
 TEST(DerivedFile, ChangesTheGivenValuesAndNothingElse) {
   const io::test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "derived.yaml";

@@ -10,7 +10,8 @@
 #include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests `extends`: a file names another one, its base, and has only the values that differ.
+// Tests `extends`: a file names another file as its base, and contains only the values that differ from the
+// base.
 
 namespace osteon::config {
 namespace {
@@ -26,7 +27,7 @@ class Extends : public testing::Test {
     io::test::WriteAll(folder_.path() / name, text);
     return folder_.path() / name;
   }
-  // The error of a cell of this text; empty if it is accepted.
+  // The error of loading a cell of this text; empty if it is accepted.
   std::string Refusal(const std::string& text, const std::string& name = "my.yaml") const {
     try {
       static_cast<void>(LoadCell(Write(name, text)));

@@ -20,7 +20,7 @@
 #include "config/reading/strict/overlay.h"
 #include "config/reading/strict/units.h"
 
-// Tests that hold for every file in config/, each with a copy of the folder whose files it may change.
+// Tests that must hold for every file in config/. Each test has a copy of the folder, which it may change.
 
 namespace osteon::config {
 namespace {
@@ -54,20 +54,21 @@ void LoadAny(const fs::path& path) {
   FAIL() << path << ": no loader for this folder";
 }
 
-// Parts of an overlay's key, a path such as "limits.max_force_N". An error names only one of them.
+// The first part of a key in an overlay, which is a path such as "limits.max_force_N". An error names only
+// one part.
 std::string FirstPart(const std::string& key) { return key.substr(0, key.find('.')); }
 std::string LastPart(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
-// A number or a key in a YAML text.
+// A number or a key in a YAML text, with its position.
 struct Scalar {
-  std::string key;  // of the nearest mapping
+  std::string key;  // key of the nearest mapping that contains the scalar
   std::size_t begin;
   int line;
   std::string text;
-  std::string place{};  // its keys and indices from the file's top, with the kind of each mapping
+  std::string place{};  // path of keys and indices from the top of the file, with the kind of each mapping
 };
 
-// All plain scalars that are numbers, with their positions in the text.
+// Collects all unquoted numbers of the text, with their positions.
 void CollectNumbers(const YAML::Node& node, const std::string& key, std::string place,
                     std::vector<Scalar>& numbers) {
   if (node.IsMap()) {
@@ -91,7 +92,7 @@ void CollectNumbers(const YAML::Node& node, const std::string& key, std::string 
       {key, static_cast<std::size_t>(node.Mark().pos), node.Mark().line + 1, node.Scalar(), place});
 }
 
-// A copy of config/ in a folder of its own; a test may change one of its files.
+// A copy of config/ in a folder of its own. A test may change one file at a time.
 class ConfigFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -131,8 +132,8 @@ TEST_F(ConfigFilesTest, EveryFileLoads) {
   }
 }
 
-// Replaces each number by ±1e12, which must be refused with file, line and key. One reader reads all files of
-// a folder, so each place is tried only in the first file that has it.
+// Replaces each number by ±1e12. The file must be refused, and the error must name file, line and key. All
+// files of a folder have the same reader, so each place is tried only in the first file that contains it.
 TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
   std::size_t total = 0;
   std::set<std::string> tried;
@@ -142,7 +143,7 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
     CollectNumbers(YAML::Load(text), "", "", numbers);
     total += numbers.size();
     EXPECT_TRUE(!numbers.empty() || text.find("\nextends:") != std::string::npos)
-        << file;  // a file that extends another may have no number of its own
+        << file;  // a file that extends another file may contain no number
     for (const Scalar& number : numbers) {
       ASSERT_EQ(text.substr(number.begin, number.text.size()), number.text)
           << file << " line " << number.line;
@@ -169,7 +170,8 @@ TEST_F(ConfigFilesTest, EveryNumberHasAUnitIsReadAndIsBounded) {
   EXPECT_GT(tried.size(), 1000u);
 }
 
-// Misspells each key. The file must be refused with a hint, so no key is ignored or has a silent default.
+// Misspells each key. The file must be refused with a suggestion. So no key is ignored, and none has a silent
+// default.
 TEST_F(ConfigFilesTest, EveryMisspelledKeyIsRefused) {
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
@@ -195,8 +197,8 @@ TEST_F(ConfigFilesTest, EveryMisspelledKeyIsRefused) {
         LoadAny(file);
         ADD_FAILURE() << expected << " was not said";
       } catch (const ConfigError& error) {
-        // two errors precede that of an unknown key: a list's length that depends on a kind, and what follows
-        // from a misspelled `remove` or `extends`
+        // two errors may be found before the unknown key: a list of a wrong length (the length depends on a
+        // kind), and a consequence of a misspelled `remove` or `extends`
         if (std::string(error.what()).find("_deg: found a list of") == std::string::npos &&
             key.text != "remove" && key.text != "extends") {
           EXPECT_EQ(error.what(), expected);
@@ -298,17 +300,18 @@ TEST_F(ConfigFilesTest, ValuesThatContradictEachOtherAreRefused) {
   }
 }
 
-// Cut, flipped, doubled and shuffled bytes: a file loads or is refused with a ConfigError, and nothing else
-// happens.
+// Cuts, flips, doubles and shuffles bytes. A damaged file must load or be refused with a ConfigError;
+// anything else is a failure.
 TEST_F(ConfigFilesTest, DamagedFilesLoadOrAreRefusedWithAnError) {
   std::mt19937 random{99};
-  // a random number below n
+  // a random number from 0 to n - 1
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : random() % n; };
   const std::string yaml_characters = "{}[]&*!|>'\"%@`-:#,? \n\t~<=\\0x1e.";
   int refused = 0, loaded = 0;
   for (const fs::path& file : files_) {
     const std::string text = ReadText(file);
-    const int changes = file.parent_path().filename() == "tools" ? 4 : 10;  // the fuzz targets make more
+    // few changes, because the fuzz targets test many more
+    const int changes = file.parent_path().filename() == "tools" ? 4 : 10;
     for (int n = 0; n < changes; ++n) {
       std::string changed = text;
       const int edits = 1 + static_cast<int>(below(4));

@@ -10,7 +10,7 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// Tests of the keys in a cell's section fri: they set up both the controller's link and the simulated arm.
+// Tests the keys in a cell's section fri. They configure both the controller's link and the simulated arm.
 
 namespace osteon::config {
 namespace {
@@ -24,11 +24,12 @@ class FriKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  // Loads the thin plate's cell without its own key `version`, and with these lines added to section fri.
+  // Loads the thin plate's cell, without its own key `version` and with these lines in section fri.
   CellConfig LoadWith(const std::string& keys) const {
     const fs::path cell = folder_ / "cells/thin_plate.yaml";
     std::string edited = CellText("thin_plate");
-    const std::size_t version = edited.find("  version:");  // equals the library's default
+    // the removed line has the library's default value
+    const std::size_t version = edited.find("  version:");
     edited.erase(version, edited.find('\n', version) + 1 - version);
     const std::string before = "  period_ms: 1\n";
     const std::size_t at = edited.find(before);
@@ -37,7 +38,7 @@ class FriKeys : public testing::Test {
     std::ofstream(cell) << edited;
     return LoadCell(cell);
   }
-  // The error of LoadWith; empty if the cell is accepted.
+  // The error of LoadWith for these lines; empty if the cell is accepted.
   std::string Refusal(const std::string& keys) const {
     try {
       (void)LoadWith(keys);

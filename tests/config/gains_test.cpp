@@ -8,7 +8,7 @@
 
 #include "config/reading/load.h"
 
-// Tests of a gains file: its values replace the gains of the cell that is loaded with it.
+// Tests gains files. The values of a gains file replace the gains of the cell that is loaded with it.
 
 namespace osteon::config {
 namespace {
@@ -24,7 +24,7 @@ class Gains : public testing::Test {
     std::ofstream(file_) << text;
     return LoadCell(kDemo, {}, file_);
   }
-  // The error of LoadWith, which must name the gains file; "nothing" if the file is accepted.
+  // The error of LoadWith for this text. It must name the gains file. "nothing" if the file is accepted.
   std::string ErrorOf(const std::string& text) const {
     try {
       static_cast<void>(LoadWith(text));

@@ -3,15 +3,15 @@
 
 #include "cell_text.h"
 
-// Tests of the keys in a cell's section guard: a supervisor that relays FRI messages between the arm and the
-// controller.
+// Tests the keys in a cell's section guard, which configure the process that relays FRI messages between arm
+// and controller and supervises them.
 
 namespace osteon::config {
 namespace {
 
 using testing::HasSubstr;
 
-// Text of a shipped cell with a section guard of these lines.
+// Text of a shipped cell, with a section guard that consists of these lines.
 std::string WithGuard(const std::string& keys, const std::string& cell = "thin_plate") {
   return CellText(cell) + "\nguard:\n" + keys;
 }

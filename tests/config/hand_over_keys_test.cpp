@@ -7,8 +7,8 @@
 #include "control/coupling/virtual_coupling.h"
 #include "tests/config/cell_text.h"
 
-// Tests that a cell's values fit each other: the largest step of the proxy within one frame (max_slide) must
-// not raise the force so fast that the trip on the wrench's rate stops the cell.
+// Tests that two values of a cell fit each other: max_slide, the largest step of the proxy within one frame,
+// must not raise the force so fast that the trip on the wrench's rate stops the cell.
 
 namespace osteon::config {
 namespace {
@@ -27,9 +27,10 @@ TEST(HandOverKeys, AMaxSlideTooLongForTheHandOverIsRefusedAtItsLine) {
       << "the other figure of the two";
 }
 
-/// Largest force step within a tick, as a ratio to the trip's limit. The tool presses with the cell's largest
-/// force, and a frame moves the proxy sideways by max_slide.
-/// @param hands_over  spread the proxy's step over ticks, as the loop does; false: apply the step in one tick
+/// Largest change of the force within a tick, as a ratio to the trip's limit. The tool presses with the
+/// cell's largest force, and a frame moves the proxy sideways by max_slide.
+/// @param hands_over  true: the hand-over spreads the proxy's step over several ticks, as in the loop; false:
+/// the whole step acts in one tick
 double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   const control::ServoParams& servo = cell.servo;
   control::CouplingParams coupling = servo.coupling;
@@ -51,7 +52,8 @@ double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   const auto period = static_cast<rt::Nanoseconds>(servo.period_s * 1e9);
   for (int tick = 0; tick < 60; ++tick) {
     const rt::Nanoseconds now = rt::kSecond + tick * period;
-    if (tick % 20 == 10) {  // a new frame: the contact's normal leans to the side, and later back
+    // a new frame: at tick 10 the contact's normal leans to one side, at tick 30 it leans back
+    if (tick % 20 == 10) {
       const double lean = tick < 20 ? lean_rad : 0.0;
       model.contacts[0].n_W = Vector3(std::sin(lean), 0.0, std::cos(lean));
       ++model.frame;
@@ -65,7 +67,7 @@ double MaxForceStepRatio(const CellConfig& cell, bool hands_over) {
   return worst;
 }
 
-// Without the hand-over at least 4 shipped cells would trip, which shows that they need it.
+// No shipped cell may trip. Without the hand-over at least 4 of them would, which shows that they need it.
 TEST(HandOverKeys, NoShippedCellTripsByItsOwnLargestSlide) {
   int trips_without_hand_over = 0;
   for (const auto& entry : std::filesystem::directory_iterator(OSTEON_SOURCE_DIR "/config/cells")) {

@@ -14,13 +14,13 @@
 #include "config/reading/strict/config_error.h"
 #include "tests/temporary_path.h"
 
-// Tests of the file of identified values (measured arm, sensor, link and hands): how it is written, read,
-// checked, and applied to a cell.
+// Tests the file of identified values (measured arm, sensor, link and hands): writing, reading, checks, and
+// applying the values to a cell.
 
 namespace osteon::config {
 namespace {
 
-// Identified values with every section present.
+// Identified values with an entry in every section.
 IdentifiedCell Sample() {
   IdentifiedCell cell;
   cell.valid_for = {.robot = "LBR iiwa 14 R820",
@@ -66,7 +66,7 @@ std::filesystem::path WriteFile(const std::string& name, const std::string& text
   return file;
 }
 
-// The error of reading a file of this text; empty if it is accepted.
+// The error of reading a file of this text; empty if the file is accepted.
 std::string ErrorOf(const std::string& text) {
   try {
     static_cast<void>(ReadIdentified(WriteFile("identified.yaml", text)));
@@ -76,7 +76,7 @@ std::string ErrorOf(const std::string& text) {
   return "";
 }
 
-// The text with the first `from` replaced.
+// The text with the first occurrence of `from` replaced.
 std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -127,7 +127,7 @@ TEST(IdentifiedFile, ErrorsNameLineValueAndWhatIsAccepted) {
   EXPECT_NE(ErrorOf(Replaced(good, "lag_ms: [28.2, 28.4]", "lag_ms: [28.35, 28.4]"))
                 .find("found 28.35 … 28.4, accepted an interval around the value beside it, 28.3"),
             std::string::npos);
-  // values in their ranges that contradict other values of the file
+  // each value is in its range, but contradicts another value of the file
   EXPECT_NE(ErrorOf(Replaced(Replaced(good, "bandwidth_hz: 16.6", "bandwidth_hz: 900"),
                              "bandwidth_hz: [15.6, 17.6]", "bandwidth_hz: [800, 1000]"))
                 .find("lag_ms: found 28.3, accepted dead_time_ms + 2 damping_ratio"),
@@ -176,7 +176,7 @@ TEST(IdentifiedFile, AResponseMeasuredWithAHandMustNameAListedHand) {
   EXPECT_NE(ErrorOf(Replaced(good, "by: hand", "by: force")).find("accepted by: hand"), std::string::npos);
 }
 
-// Identified values for this robot, tool, period and start, with no measurement yet.
+// Identified values without any measurement, for this cell's robot, tool, period and start.
 IdentifiedCell EmptyIdentifiedFor(const CellConfig& cell) {
   IdentifiedCell own{
       .valid_for = {.robot = cell.robot.name, .tool = cell.tool.tool.name, .period_s = cell.servo.period_s}};
@@ -247,7 +247,8 @@ TEST(IdentifiedFile, EachSpringComesFromTheAxisWithTheSmallestUncertainty) {
   own.arm = {Sample().arm[0], Sample().arm[0]};
   IdentifiedArm &x = own.arm[0], &z = own.arm[1];
   x.axis = "x";
-  x.bandwidth_interval_hz = {.low = 15.0, .high = 18.2};  // wider than z's, but its damping is known better
+  // the bandwidth's interval is wider than that of z, but the damping is known more exactly
+  x.bandwidth_interval_hz = {.low = 15.0, .high = 18.2};
   x.damping_interval = {.low = 1.23, .high = 1.25};
   x.impedance =
       IdentifiedImpedance{.translation_N_per_m = 1900.0, .rotation_Nm_per_rad = 204.0, .damping_ratio = 0.7};

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-// Tests of a cell's list `injections`: faults (loss, delay, …) that are injected on the simulated wires.
+// Tests a cell's list `injections`: faults such as loss or delay that act on the simulated wires.
 
 namespace osteon::config {
 namespace {
@@ -14,7 +14,7 @@ using hil::Direction;
 using hil::Wire;
 using testing::HasSubstr;
 
-// Injections read from the text of a cell.
+// The injections in a cell of this text.
 hil::InjectionParams Read(const std::string& text) {
   Reader reader = Reader::Parse(text, "cell.yaml");
   const hil::InjectionParams params = ReadInjections(reader);
@@ -22,7 +22,7 @@ hil::InjectionParams Read(const std::string& text) {
   return params;
 }
 
-// The error of Read; "accepted" if there is none.
+// The error of Read for this text; "accepted" if there is none.
 std::string Refusal(const std::string& text) {
   try {
     static_cast<void>(Read(text));
@@ -32,7 +32,7 @@ std::string Refusal(const std::string& text) {
   return "accepted";
 }
 
-// Text of a list with one injection from 1 s to 2 s, with these keys added.
+// Text of a list with one injection, which lasts from 1 s to 2 s and has these keys in addition.
 std::string OneInjection(const std::string& keys, const std::string& wire = "arm",
                          const std::string& direction = "both") {
   return "injections:\n  - {wire: " + wire + ", direction: " + direction + ", from_s: 1, to_s: 2, " + keys +

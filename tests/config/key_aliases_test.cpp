@@ -12,7 +12,7 @@
 #include "config/reading/strict/overlay.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests of renamed keys: the old name is still accepted in files and in overrides.
+// Tests renamed keys. Files and overrides may still use the old name.
 
 namespace osteon::config {
 namespace {

@@ -3,15 +3,15 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the table of keys that the readers of a kind of file ask for. tests/app/schema_test.py checks the
-// shipped files against the schemas that are made of this table.
+// Tests the table of the keys that the readers of one kind of file ask for. tests/app/schema_test.py checks
+// the shipped files against the schemas that are generated from this table.
 
 namespace osteon::config {
 namespace {
 
 using Type = KeyInfo::Type;
 
-// Table of a kind of file, e.g. "cell".
+// Table of the keys of one kind of file, e.g. "cell".
 KeyTable TableOf(const std::string& name) {
   for (const FileKind& kind : FileKinds())
     if (kind.name == name) return RecordKeys(kind.load);
@@ -32,7 +32,8 @@ TEST(KeyTable, HasTypeRangeAndWordsOfAKey) {
   EXPECT_EQ(cell.inner.at("zones").keys.at("at_mm").size, 3u);
 }
 
-// Keys that depend on another key's value ("kind: drilling") are listed too, as not required.
+// A key that exists only with a certain value of another key ("kind: drilling") is listed as well, as not
+// required.
 TEST(KeyTable, ListsTheKeysOfEveryChoice) {
   const KeyTable cell = TableOf("cell");
   for (const char* key :

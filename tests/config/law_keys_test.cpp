@@ -6,8 +6,8 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// Tests of the choice of the control law: a cell names one law (admittance or impedance), and its simulated
-// arm is set up for that law.
+// Tests the choice of the control law. A cell names one law, admittance or impedance, and its simulated arm
+// is set up for that law.
 
 namespace osteon::config {
 namespace {
@@ -32,10 +32,11 @@ TEST(LawKeys, ImpedanceReachesLoopAndSimulatedArm) {
   EXPECT_EQ(LoadCell(kCells / "demo.yaml").servo.law, control::Law::kAdmittance);
 }
 
-// Refused are a second law, a simulation level without impedance control, an overlay of positions, and RSI.
+// A cell is refused if it has a second law, an arm level without impedance control, an overlay of positions,
+// or an impedance law over RSI.
 TEST(LawKeys, ACellHasOneLawThatItsArmSupports) {
   const std::string cell = CellText("thin_plate_impedance"), admittance = CellText("thin_plate");
-  // position of the line break after a section that begins at `section`
+  // position of the line break at the end of the section that begins at `section`
   const auto end_of = [](const std::string& text, std::size_t section) {
     std::size_t at = section;
     do at = text.find('\n', at + 1);
@@ -47,7 +48,7 @@ TEST(LawKeys, ACellHasOneLawThatItsArmSupports) {
   EXPECT_THAT(Refusal(With(cell, "level: dynamic", "level: servo")),
               AllOf(HasSubstr("level"), HasSubstr("dynamic")));
   EXPECT_THAT(Refusal(With(cell, "\n  overlay: wrench", "\n  overlay: position")), HasSubstr("wrench"));
-  // an arm over RSI accepts only positions
+  // an arm over RSI accepts only positions, so the impedance law is refused
   const std::size_t law = cell.find("\nimpedance:"), law_end = end_of(cell, law);
   std::string kr = CellText("kr_16_thin_plate");
   const std::size_t old = kr.find("\nadmittance:"), old_end = end_of(kr, old);

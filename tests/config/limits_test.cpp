@@ -5,7 +5,7 @@
 
 #include "tests/config/cell_text.h"
 
-// Tests of a cell's limits: section limits, the zones and the depth limit.
+// Tests a cell's limits: the section limits, the zones and the depth limit.
 
 namespace osteon::config {
 namespace {
@@ -33,7 +33,7 @@ TEST(Limits, AreReadAndScaledToTheTool) {
 
 TEST(Limits, AreUnlimitedWhereACellDoesNotNameThem) {
   std::string text = CellText("demo");
-  // removes the text from `from` to before `to`
+  // removes the text between `from` (included) and `to` (not included)
   const auto cut = [&](const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     text.erase(at, text.find(to, at) - at);
@@ -77,7 +77,7 @@ TEST(Limits, ACellChoosesTheReactionAtTheForceLimit) {
             OnForceLimit::kYield);
   EXPECT_EQ(reaction(With(CellText("demo"), "on_force_limit: slow", "on_force_limit: stop")).reaction,
             OnForceLimit::kStop);
-  // default of max_tool_in_bone_mm: 2 × 200 N / (20 N/mm) + 3 mm = 23 mm
+  // the default of max_tool_in_bone_mm is 2 × 200 N / (20 N/mm) + 3 mm = 23 mm
   EXPECT_EQ(reaction(CellText("demo")).reaction, OnForceLimit::kSlow);
   EXPECT_NEAR(reaction(CellText("demo")).max_tool_in_bone_m, 0.023, 1e-12);
   EXPECT_NEAR(reaction(with_limit("demo", "max_tool_in_bone_mm: 11")).max_tool_in_bone_m, 0.011, 1e-15);

@@ -6,7 +6,7 @@
 #include "config/reading/load.h"
 #include "tests/temporary_path.h"
 
-// Tests of the lists of materials (config/materials): the shipped ones, and the errors of wrong ones.
+// Tests the lists of materials in config/materials: the shipped lists, and the errors of wrong lists.
 
 namespace osteon::config {
 namespace {
@@ -23,7 +23,8 @@ std::vector<std::string> Names(const std::vector<simulation::Material>& material
   return names;
 }
 
-/// Error of a file with one material in which the first `from` is replaced; empty if it is accepted.
+/// The error of loading a file with one material, in which the first occurrence of `from` is replaced; empty
+/// if the file is accepted.
 std::string Refusal(const std::string& from, const std::string& to) {
   std::string text =
       "materials:\n"
@@ -70,7 +71,8 @@ TEST(MaterialsConfig, EachShippedListIsValidAndInTheOrderItsScenesExpect) {
     EXPECT_NO_THROW(simulation::CheckMaterials(LoadMaterials(Shipped(name)))) << name;
 }
 
-// The grade is the density in pounds per cubic foot: 1 lb/ft³ = 16.018 kg/m³. The file gives three digits.
+// A foam's grade is its density in pounds per cubic foot: 1 lb/ft³ = 16.018 kg/m³. The file states the
+// density with three digits.
 TEST(MaterialsConfig, FoamsHaveTheDensityOfTheirGrade) {
   const std::vector<simulation::Material> foams = LoadMaterials(Shipped("sawbone.yaml"));
   for (int i = 0; i < 4; ++i) {

@@ -4,7 +4,8 @@
 
 #include "tests/io/temporary_folder.h"
 
-// Tests of finding a file by its path or by its bare name in a folder ("demo" for config/cells/demo.yaml).
+// Tests how a file is found by its path, or by its bare name in a folder ("demo" means
+// config/cells/demo.yaml).
 
 namespace osteon::config {
 namespace {
@@ -25,14 +26,14 @@ TEST(NamedFile, IsFoundByItsPathAndByItsNameInTheFolder) {
   EXPECT_NE(YamlNamesIn("elsewhere").find("OSTEON_ROOT"), std::string::npos) << "a program that was moved";
 }
 
-// The error of a bare name is its path in the folder, with ".yaml"; the error of a name with an ending is the
-// name itself.
+// If a bare name is not found, the error names its path in the folder, with ".yaml". If a name with an ending
+// is not found, the error names it unchanged.
 TEST(NamedFile, ErrorIsThePathThatWasTried) {
   const TemporaryFolder folder;
   EXPECT_EQ(FindNamedFile(folder.path(), "c").error(), folder.path() / "c.yaml");
   EXPECT_EQ(FindNamedFile(folder.path(), "c.yaml").error(), "c.yaml");
   EXPECT_EQ(FindNamedFile(folder.path(), "").error(), folder.path() / ".yaml");
-  // a name in the folder cannot contain a path
+  // a bare name must not contain a folder
   std::filesystem::create_directory(folder.path() / "inner");
   WriteAll(folder.path() / "inner" / "d.yaml", "");
   EXPECT_FALSE(FindNamedFile(folder.path(), "inner/d"));

@@ -7,7 +7,7 @@
 
 #include "config/reading/simulated/read_operator.h"
 
-// Tests of a cell's section operator: the simulated hand and its incidents (sudden grip, release, clamp).
+// Tests a cell's section operator: the simulated hand and its incidents (sudden grip, release, clamp).
 
 namespace osteon::config {
 namespace {
@@ -36,7 +36,7 @@ hil::OperatorHandParams ReadHand(const std::string& text) {
   return hand;
 }
 
-// The error of ReadHand; "accepted" if there is none.
+// The error of ReadHand for this text; "accepted" if there is none.
 std::string ErrorOf(const std::string& text) {
   try {
     (void)ReadHand(text);
@@ -46,7 +46,7 @@ std::string ErrorOf(const std::string& text) {
   return "accepted";
 }
 
-// The text with the first `from` replaced.
+// The text with the first occurrence of `from` replaced.
 std::string Changed(std::string text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -83,14 +83,14 @@ TEST(OperatorSection, IncidentsAreConvertedToSi) {
   EXPECT_DOUBLE_EQ(clamp.begin_s, 6.0);
   EXPECT_TRUE(std::isinf(clamp.end_s)) << "never ends";
   EXPECT_DOUBLE_EQ(clamp.spring.stiffness_N_per_m, 50000.0);
-  // a hand accepts the values that were read
+  // CheckIncidents must accept the incidents that were read
   EXPECT_NO_THROW(hil::CheckIncidents(hand.incidents));
   const std::string first_two = kIncidents.substr(0, kIncidents.find("    - kind: clamp"));
   const auto forever = ReadHand(kHand + Changed(first_two, "      away_ms: 200\n", ""));
   EXPECT_TRUE(std::isinf(std::get<hil::StartledRelease>(forever.incidents.list[1]).away_s));
 }
 
-// Each number in turn is replaced by ±1e12, which must be refused at its line.
+// Replaces each number in turn by ±1e12. It must be refused, and the error must name its line.
 TEST(OperatorSection, EveryNumberHasARange) {
   std::istringstream stream(kHand + kIncidents);
   std::vector<std::string> lines;
@@ -115,7 +115,7 @@ TEST(OperatorSection, EveryNumberHasARange) {
     }
     ++numbers;
   }
-  EXPECT_EQ(numbers, 11 + 8 - 1 + 7 + 6);  // every line with a number was tried
+  EXPECT_EQ(numbers, 11 + 8 - 1 + 7 + 6);  // each line with a number was tried
 }
 
 TEST(OperatorSection, IncidentsThatContradictEachOtherAreRefused) {

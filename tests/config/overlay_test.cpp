@@ -5,8 +5,8 @@
 #include "config/reading/load.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests of the overlay, which replaces single values of a cell's files by dotted names
-// ("limits.max_force_N"): only these values change, and errors name the source of the value.
+// Tests the overlay, which replaces single values in a cell's files by dotted names ("limits.max_force_N").
+// No other value changes, and an error names the file that gave the value.
 
 namespace osteon::config {
 namespace {
@@ -26,7 +26,7 @@ class OverlayTest : public testing::Test {
     overlay.Finish();
     return cell;
   }
-  /// The error of these overrides; "taken" if they are accepted.
+  /// The error of loading with these overrides; "taken" if they are accepted.
   std::string Refusal(const std::string& overrides) {
     try {
       static_cast<void>(Load(overrides));
@@ -35,7 +35,8 @@ class OverlayTest : public testing::Test {
     }
     return "taken";
   }
-  /// Expects an error at this line of the overrides' file that contains all the texts. Line 1 is `shows`.
+  /// Expects an error at this line of the overrides' file. The error must contain all the texts. Line 1 of
+  /// the file is the key `shows`.
   void ExpectRefused(const std::string& overrides, int line, const std::vector<std::string>& texts) {
     const std::string refusal = Refusal(overrides);
     EXPECT_TRUE(refusal.starts_with(File().string() + ":" + std::to_string(line) + ": ")) << refusal;
@@ -102,7 +103,8 @@ TEST_F(OverlayTest, ErrorsNameFileAndLineOfTheOverride) {
   ExpectRefused("overrides: 5\n", 2, {"overrides", "no mapping"});
 }
 
-// A check that compares two keys names one of them: the error names the file that holds this key.
+// A check that compares two keys reports one of them. The error must name the file that contains the reported
+// key.
 TEST_F(OverlayTest, AnErrorAtAKeyOfTheCellNamesTheCell) {
   const std::string refusal = Refusal("overrides:\n  start.height_mm: 499\n");
   EXPECT_TRUE(refusal.starts_with(File().string() + ":3: height_mm")) << refusal;

@@ -3,7 +3,8 @@
 
 #include "cell_text.h"
 
-// Tests of the section plc: a cell must either have it or say that it has no PLC (without_plc: accepted).
+// Tests the section plc. A cell must either have this section or state that it has no PLC (without_plc:
+// accepted).
 
 namespace osteon::config {
 namespace {

@@ -7,15 +7,15 @@
 #include "config/reading/strict/nearest_key.h"
 #include "config/reading/strict/units.h"
 
-// Tests of the strict YAML reader: units from the keys' endings, ranges, unknown and missing keys, and the
-// text of each error (file, line, value found, values accepted).
+// Tests the strict YAML reader: units that follow from the keys' endings, ranges, unknown and missing keys,
+// and the text of each error (file, line, value found, values accepted).
 
 namespace osteon::config {
 namespace {
 
 constexpr const char* kFile = "config/tools/reamer.yaml";
 
-// The error of reading and finishing; empty if there is none.
+// The error of `read`, or of finishing the reader afterwards; empty if there is none.
 template <typename Read>
 std::string ErrorOf(const std::string& text, Read read) {
   try {
@@ -94,7 +94,8 @@ TEST(ReaderTest, UnknownKeyComesWithTheNearestKnownOne) {
             "config/tools/reamer.yaml:1: unknown key \"raduis_mm\"; did you mean \"radius_mm\"?");
   EXPECT_EQ(ErrorOf("radius_mm: 25\ncolour: red\n", ReadRadius),
             "config/tools/reamer.yaml:2: unknown key \"colour\", accepted radius_mm");
-  // a key that is missing in the file is suggested before a present one that is spelt more similarly
+  // the suggestion for a misspelled key is a key that the file lacks, even if a key that the file has is
+  // spelt more similarly
   const auto read_both = [](Reader& reader) {
     static_cast<void>(reader.Number("stiffness_N_per_m", 1, 100));
     static_cast<void>(reader.Number("stiffness_N_per_mm", 1, 100));
@@ -186,7 +187,7 @@ TEST(ReaderTest, ATabUsedToIndentIsNamedInTheError) {
     EXPECT_EQ(ErrorOf(text, nothing), "config/tools/reamer.yaml:" + std::to_string(line) +
                                           ": not YAML: found a tab before the text, accepted blanks alone")
         << text;
-  // a tab that does not indent counts as a blank: the first text's error is about its open list
+  // a tab that does not indent counts as a space, so the error is about the open list and not about a tab
   EXPECT_EQ(ErrorOf("a: [1,\n\t2]\nb: [1, 2\n", nothing).find("tab"), std::string::npos);
   EXPECT_EQ(ErrorOf("a:\tb\n", [](Reader& reader) { EXPECT_EQ(reader.Text("a"), "b"); }), "");
 }

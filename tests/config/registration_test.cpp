@@ -11,8 +11,8 @@
 
 #include "config/reading/load.h"
 
-// Tests of the checks on a cell's poses (arm's base, bone, tool, workspace, start): a cell whose poses do not
-// fit each other is refused, and the error names the pose that must change.
+// Tests the checks of a cell's poses (arm's base, bone, tool, workspace, start). A cell whose poses do not
+// fit each other is refused, and the error names the pose that the user must change.
 
 namespace osteon::config {
 namespace {
@@ -24,7 +24,7 @@ using testing::HasSubstr;
 const fs::path kConfig = fs::path(OSTEON_SOURCE_DIR) / "config";
 const fs::path kDemo = kConfig / "cells/demo.yaml";
 
-// The error of a check on the demo cell after a change of its values in memory; empty if there is none.
+// The error of the checks after `change` has changed the demo cell in memory; empty if there is none.
 template <typename Change>
 std::string ErrorOf(void (*check)(const CellConfig&, const Reader&), Change change) {
   CellConfig cell = LoadCell(kDemo);
@@ -41,7 +41,7 @@ class Registration : public testing::Test {
  protected:
   void SetUp() override { fs::copy(kConfig, folder_, fs::copy_options::recursive); }
   void TearDown() override { fs::remove_all(folder_); }
-  // The error of the demo cell with the first occurrence of a text in one of its files replaced.
+  // The error of loading the demo cell with a text replaced in one of its files, at its first occurrence.
   std::string ErrorWith(const std::string& file, const std::string& before, const std::string& after) const {
     std::stringstream text;
     text << std::ifstream(folder_ / file).rdbuf();
@@ -61,7 +61,7 @@ class Registration : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-// The demo cell's pose of the bone, and the same lines with another position.
+// The bone's pose in the demo cell, and the same lines with another position.
 constexpr const char* kBone =
     "bone_in_world:  # frame G: origin at the cup's centre, +z out of the opening\n"
     "  position_mm: [620, 0, 210]";
@@ -89,7 +89,7 @@ TEST_F(Registration, ABoneInTheArmsFootIsRefused) {
 }
 
 TEST_F(Registration, ABoneOutOfTheArmsReachIsRefused) {
-  // shoulder at 360 mm; 0.42 + 0.4 + 0.126 + 0.18 m of arm and tool
+  // the shoulder is at 360 mm; arm and tool reach 0.42 + 0.4 + 0.126 + 0.18 m
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[1200, 0, 360]")),
       HasSubstr("demo.yaml:15: position_mm: found 1200 mm from the arm's shoulder to the site, accepted "
@@ -102,7 +102,8 @@ TEST_F(Registration, AWrongBasePoseIsNamedWhenTheBoneIsOutOfReach) {
               HasSubstr("base_in_world says where the arm stands"));
 }
 
-// A wrong pose of the bone shows at the workspace's bounds, but the error names the bone's pose.
+// With a wrong bone pose, the workspace's bounds are exceeded. The error must name the bone's pose, not the
+// workspace.
 TEST_F(Registration, ForABoneOutsideTheWorkspaceTheBonesPoseIsNamed) {
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", kBone, BoneAt("[900, 0, 210]")),
@@ -141,7 +142,9 @@ TEST(RegistrationRows, ABaseInMetresIsRefused) {
   EXPECT_THAT(
       ErrorOf(CheckFrames,
               [](CellConfig& cell) {
-                const Vector3 base(0.9, 0.0, 0.4);  // [m]: bone and workspace move there, the base to 0.9 mm
+                // bone and workspace are placed for a base at this position [m]; the cell's base gets the
+                // same numbers in mm
+                const Vector3 base(0.9, 0.0, 0.4);
                 cell.X_WG.translation() += base;
                 cell.servo.workspace.sphere_center_W_m += base;
                 cell.servo.workspace.plane_offset_m += cell.servo.workspace.plane_normal_W.dot(base);
@@ -161,7 +164,7 @@ TEST_F(Registration, AToolAsLongAsAnArmIsRefused) {
 }
 
 TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
-  // the cup's centre is 70 mm above the plane, and its work extends 2 × 24 mm from there
+  // the cup's centre is 70 mm above the plane, and the work there extends by 2 × 24 mm
   EXPECT_THAT(
       ErrorWith("cells/demo.yaml", "plane_offset_mm: 140", "plane_offset_mm: 170"),
       HasSubstr("plane_offset_mm: found 40 mm from the site to the workspace's plane, accepted at least "
@@ -171,7 +174,8 @@ TEST_F(Registration, TheWholeSiteMustBeInTheWorkspace) {
 }
 
 TEST_F(Registration, AStartTooCloseToAJointLimitIsRefused) {
-  // the demo's start keeps even 30° from the joints' limits; an elbow turned by 100° does not
+  // the demo's start keeps a distance of 30° from the joints' limits; with the elbow turned by 100° it does
+  // not
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "joint_margin_deg: 1 ", "joint_margin_deg: 30 "), "");
   EXPECT_THAT(ErrorWith("cells/demo.yaml", "arm_angle_deg: 0 ", "arm_angle_deg: 100 "),
               HasSubstr(": arm_angle_deg: found "));
@@ -197,14 +201,14 @@ TEST(RegistrationRows, ATiltedBaseIsNotedAndAccepted) {
   EXPECT_EQ(noted, 1);
 }
 
-// The checks compute the tool's start pose from the start's joint angles: each case changes only the joints,
-// or only what the joints are compared with.
+// The checks compute the tool's start pose from the joint angles of the start. Each case changes only these
+// angles, or only the values with which they are compared.
 TEST(RegistrationRows, TheStartIsCheckedByItsJointAngles) {
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[0] += 1.0; }),
               HasSubstr(": height_mm: found -"));
   EXPECT_THAT(ErrorOf(CheckStart, [](CellConfig& cell) { cell.start.q[5] = 2.094; }),
               HasSubstr(": arm_angle_deg: found 0.0"));
-  // the bone turned by 1.1 rad, so that the tool's axis does not point into it
+  // turns the bone by 1.1 rad, so that the tool's axis does not point into it
   EXPECT_THAT(
       ErrorOf(CheckStart,
               [](CellConfig& cell) {
@@ -214,7 +218,7 @@ TEST(RegistrationRows, TheStartIsCheckedByItsJointAngles) {
                 "into the bone, accepted at most 60 deg"));
   EXPECT_THAT(ErrorOf(CheckStart,
                       [](CellConfig& cell) {
-                        cell.tool.X_FT.translation().z() = -0.2;  // the flange ahead of the apex
+                        cell.tool.X_FT.translation().z() = -0.2;  // places the flange ahead of the apex
                         cell.servo.workspace.plane_offset_m = 0.45;
                         cell.servo.workspace.sphere_radius_m = 1.0;
                       }),

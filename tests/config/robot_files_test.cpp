@@ -12,7 +12,7 @@
 #include "kinematics/serial_chain.h"
 #include "tests/kinematics/chain_samples.h"
 
-// Tests of the robots' files (config/robots): their kinematics against published descriptions and catalogues,
+// Tests the robots' files in config/robots: their kinematics against published descriptions and catalogues,
 // and the errors of wrong files.
 
 namespace osteon::config {
@@ -28,13 +28,13 @@ fs::path RobotFile(const std::string& name) {
   return fs::path(OSTEON_SOURCE_DIR) / "config" / "robots" / (name + ".yaml");
 }
 
-// The kinematic chain in a shipped robot's file.
+// The kinematic chain that a shipped robot's file describes.
 template <int N>
 ChainParams<N> ChainOf(const std::string& name) {
   return std::get<ChainParams<N>>(LoadRobot(RobotFile(name)).chain);
 }
 
-// Equal up to rounding: the file has millimetres and degrees, the expected chain metres and radians.
+// The file (mm and degrees) must equal the published chain (m and rad) up to rounding.
 TEST(RobotFiles, Iiwa14EqualsItsPublishedDescription) {
   const ChainParams<7> chain = ChainOf<7>("lbr_iiwa_14_r820"), expected = kinematics::Iiwa14Chain();
   EXPECT_TRUE(chain.has_masses);
@@ -65,8 +65,8 @@ TEST(RobotFiles, SummedOriginsGiveTheLengthsOfTheCatalogueExactly) {
   EXPECT_EQ(lbr.wrist_to_flange_m, 0.126);
 }
 
-// The catalogue gives the flange's height of the upright arm, and a mass of 29.9 and 23.9 kg, which includes
-// the base of 7.05 and 4.86 kg.
+// The catalogue states the flange's height with the arm upright, and masses of 29.9 and 23.9 kg. The masses
+// include the base of 7.05 and 4.86 kg.
 TEST(RobotFiles, LbrsHaveTheHeightAndMassOfTheCatalogue) {
   struct Arm {
     const char* name;
@@ -88,8 +88,8 @@ TEST(RobotFiles, LbrsHaveTheHeightAndMassOfTheCatalogue) {
   }
 }
 
-// The file has seven lengths, offsets and signs; kuka_experimental has joint origins. Both must give the same
-// flange pose in 1000 random postures.
+// The file has seven lengths, offsets and signs; kuka_experimental has the joints' origins. Both must give
+// the same flange pose in 1000 random postures.
 TEST(RobotFiles, Kr6EqualsItsPublishedDescription) {
   const SerialChain<6> arm(ChainOf<6>("kr_6_r900_2")), described(kinematics::Kr6R900());
   std::mt19937_64 random{61};
@@ -99,9 +99,9 @@ TEST(RobotFiles, Kr6EqualsItsPublishedDescription) {
   }
 }
 
-// At KUKA's zero, upper arm, forearm and flange point along x; at A2 -90°, A3 90° the upper arm is upright.
-// The reach is the distance of the wrist from A1's axis with the arm straight. Lengths a1 … c4 [m] are those
-// of the ortho-parallel model.
+// At KUKA's zero position, upper arm, forearm and flange point along x. With A2 at -90° and A3 at 90° the
+// upper arm is upright. The reach is the distance of the wrist from A1's axis with the arm straight. The
+// lengths a1 … c4 [m] are those of the ortho-parallel model.
 TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
   struct Arm {
     const char* name;
@@ -124,7 +124,8 @@ TEST(RobotFiles, KrsHaveKukasZeroAndPublishedReach) {
               1e-12);
     q[0] = 90 * kDegree;
     EXPECT_LT((chain.FlangePose(q).linear().col(2) + Vector3::UnitY()).norm(), 1e-12) << "A1 turns clockwise";
-    const double straight = std::atan2(-arm.a2, arm.c3);  // A3 that brings the wrist onto the line A2 A3
+    // angle of A3 that brings the wrist onto the line through A2 and A3
+    const double straight = std::atan2(-arm.a2, arm.c3);
     q << 0, 0, straight, 0, 0, 0;
     const Vector3 wrist = chain.FlangePose(q) * Vector3(0, 0, -arm.c4);
     EXPECT_NEAR(wrist.x(), arm.reach_m, 0.001);
@@ -139,14 +140,16 @@ TEST(RobotFiles, ACellsLastLinkIncludesItsToolAndSensor) {
   const kinematics::LinkInertia bare = kinematics::Iiwa14Chain().joints.back().link,
                                 loaded = cell.robot.lbr()->chain.joints.back().link;
   EXPECT_NEAR(loaded.mass_kg, bare.mass_kg + 0.5 + cell.tool.tool.mass_kg, 1e-12);
-  // first moments add up: link, sensor 35 + 15 mm ahead of A7, tool at its centre in the flange's frame
+  // first moments (mass × centre) add up: the link, the sensor 35 + 15 mm ahead of A7, and the tool at its
+  // centre in the flange's frame
   const Vector3 p_FTcm = cell.tool.X_FT * Vector3(cell.tool.tool.center_of_mass_m);
   const Vector3 moment = bare.mass_kg * bare.p_LLcm_m + 0.5 * Vector3(0, 0, 0.05) +
                          cell.tool.tool.mass_kg * (p_FTcm + Vector3(0, 0, 0.035));
   EXPECT_LT((loaded.mass_kg * loaded.p_LLcm_m - moment).norm(), 1e-12);
 }
 
-// Each case is one edit of a good file, with its own error at its own line.
+// Each case changes one text of a good file. The error must be the expected one and must name the changed
+// line.
 TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   struct Case {
     const char *robot, *from, *to, *expected;
@@ -202,7 +205,7 @@ TEST(RobotFiles, MalformedFilesAreRefusedWithTheirReason) {
   fs::remove_all(folder);
 }
 
-// A cell over FRI accepts no KR, and no 7-joint arm whose axes do not intersect as those of an LBR do.
+// A cell over FRI refuses a KR, and a 7-joint arm whose axes do not intersect in the way of an LBR's.
 TEST(RobotFiles, ACellOverFriRefusesAnArmThatIsNoLbr) {
   const fs::path root = fs::path(OSTEON_SOURCE_DIR) / "config",
                  copy = fs::path(::testing::TempDir()) / ("osteon_arms_" + std::to_string(::getpid()));

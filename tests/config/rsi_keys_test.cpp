@@ -13,8 +13,8 @@
 #include "kinematics/ortho_parallel_arm.h"
 #include "tests/config/cell_text.h"
 
-// Tests of the keys in a cell's section rsi, which configure the link to a six-axis arm and its simulation,
-// and of the combinations that are refused.
+// Tests the keys in a cell's section rsi, which configure the link to a six-axis arm and the arm's
+// simulation. Also tests combinations that are refused.
 
 namespace osteon::config {
 namespace {
@@ -31,7 +31,7 @@ class RsiKeys : public testing::Test {
     fs::copy(fs::path(OSTEON_SOURCE_DIR) / "config", folder_, fs::copy_options::recursive);
   }
   void TearDown() override { fs::remove_all(folder_); }
-  // Loads a cell with the first occurrences of texts in its file replaced.
+  // Loads a shipped cell after replacing texts of its file, each at its first occurrence.
   CellConfig LoadWith(const Edits& edits, const std::string& name = "kr_16_thin_plate") const {
     std::string edited = CellText(name);
     for (const auto& [before, after] : edits) {
@@ -43,7 +43,7 @@ class RsiKeys : public testing::Test {
     std::ofstream(cell) << edited;
     return LoadCell(cell);
   }
-  // The error of LoadWith; empty if the cell is accepted.
+  // The error of LoadWith for these edits; empty if the cell is accepted.
   std::string Refusal(const Edits& edits, const std::string& name = "kr_16_thin_plate") const {
     try {
       static_cast<void>(LoadWith(edits, name));
@@ -153,8 +153,8 @@ TEST_F(RsiKeys, ValuesThatContradictEachOtherAreRefused) {
               HasSubstr("from the arm's shoulder to the site, accepted at most"));
 }
 
-// With absolute corrections that are not held, a lost answer moves the arm abruptly back to RSI's start.
-// Therefore the cell must accept this explicitly.
+// If absolute corrections are not held, one lost answer makes the arm jump back to its position at RSI's
+// start. Therefore such a cell must accept this explicitly.
 TEST_F(RsiKeys, AbsoluteCorrectionsThatAreNotHeldMustBeAcceptedExplicitly) {
   const std::pair<std::string, std::string> not_held{"hold_on: true\n", "hold_on: false\n"};
   const std::pair<std::string, std::string> added{

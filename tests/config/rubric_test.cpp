@@ -7,8 +7,8 @@
 #include "config/reading/strict/config_error.h"
 #include "tests/temporary_path.h"
 
-// Tests of the rubric's file, which gives the points of a procedure's score: full points up to one norm of a
-// metric, none beyond another.
+// Tests the rubric's file, which defines the score of a procedure. A metric gets full points up to one norm,
+// and no points beyond another norm.
 
 namespace osteon::config {
 namespace {
@@ -24,7 +24,7 @@ TEST(RubricFiles, TheShippedRubricHasTheDesignsNormsAndASourceForEach) {
   }
   EXPECT_DOUBLE_EQ(weights, 100.0);
   ASSERT_EQ(rubric.items.size(), 7u);
-  // full and zero are in SI units: rad, m, m³
+  // `full` and `zero` are the two norms in SI units: rad, m, m³
   const auto expect_item = [&](std::size_t i, const char* metric, double weight, double full, double zero) {
     EXPECT_EQ(rubric.items[i].metric, metric);
     EXPECT_DOUBLE_EQ(rubric.items[i].weight, weight);

@@ -9,8 +9,8 @@
 #include "config/reading/strict/reader.h"
 #include "tests/io/temporary_folder.h"
 
-// Tests of the scenarios' files (config/scenarios): the shipped ones with their golden traces, what a file
-// may say, and the errors of wrong files.
+// Tests the scenarios' files in config/scenarios: the shipped scenarios with their golden traces, the
+// accepted keys, and the errors of wrong files.
 
 namespace osteon::config {
 namespace {
@@ -35,7 +35,7 @@ ScenarioConfig Load(const std::string& text) {
   return LoadScenario(folder.path() / "mine.yaml");
 }
 
-// The error of Load; "taken" if the scenario is accepted.
+// The error of Load for this text; "taken" if the scenario is accepted.
 std::string Refusal(const std::string& text) {
   try {
     static_cast<void>(Load(text));
@@ -45,8 +45,8 @@ std::string Refusal(const std::string& text) {
   return "taken";
 }
 
-// Every shipped scenario can be read and has a golden trace of less than 100 kB. Together they cover both
-// laws, both kinds of arm, and injected faults.
+// Every shipped scenario must load and have a golden trace of less than 100 kB. Together the scenarios cover
+// both laws, both kinds of arm, and injected faults.
 TEST(ScenarioFiles, EveryShippedScenarioLoadsWithItsCell) {
   std::set<std::string> cells;
   std::set<ScenarioEngine> engines;

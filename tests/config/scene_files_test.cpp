@@ -9,8 +9,8 @@
 
 #include "config/reading/load.h"
 
-// Tests of the scenes' files (config/scenes): the shipped ones have the values that are expected, and changed
-// ones are refused with an error that says why.
+// Tests the scenes' files in config/scenes. The shipped scenes must have the expected values. Changed scenes
+// must be refused, and the error must give the reason.
 
 namespace osteon::config {
 namespace {
@@ -79,7 +79,7 @@ class SceneRefusals : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(root_); }
 
-  /// The error of a scene or a cell in which one text is replaced.
+  /// The error of loading a scene or cell in which one text is replaced.
   std::string Refusal(const char* name, const std::string& from, const std::string& to) {
     const fs::path file = root_ / name;
     std::ostringstream before;

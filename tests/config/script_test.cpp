@@ -6,7 +6,7 @@
 #include "config/reading/sections/read_events.h"
 #include "config/reading/simulated/read_script.h"
 
-// Tests of a cell's section script (the simulated hand's planned motion) and of a scene's section events.
+// Tests a cell's section script (the planned motion of the simulated hand), and a scene's section events.
 
 namespace osteon::config {
 namespace {
@@ -73,8 +73,8 @@ TEST(ScriptSection, RefusesKeysOfAnotherKind) {
       << ErrorOf([&] { (void)ScriptFrom(text); });
 }
 
-// The script's force must stay below the hand's largest force, and the burr (radius 0.8 mm) must fit into the
-// opening (1.6 mm).
+// The script's force must be below the hand's largest force, and the burr (radius 0.8 mm) must fit into the
+// opening (radius 1.6 mm).
 TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
   Reader reader = Reader::Parse(kOpening + "operator:\n  max_force_N: 60\n", "cell.yaml");
   const Reader section = reader.Section("script"), hand = reader.Section("operator");
@@ -85,7 +85,7 @@ TEST(ScriptSection, IsCheckedAgainstToolAndHand) {
               CheckScript(section, script, hand, 40.0);
             }).find("max_force_N: found 40, accepted more than the script's push_force_N (40)"),
             std::string::npos);
-  script.head_radius_m = 0.002;  // a burr wider than the opening
+  script.head_radius_m = 0.002;  // this burr is wider than the opening
   const std::string error = ErrorOf([&] { CheckScript(section, script, hand, 60.0); });
   EXPECT_NE(error.find("cell.yaml:2: kind: operator's script: site_radius_m: found 0.0016"),
             std::string::npos)

@@ -3,14 +3,14 @@
 
 #include "cell_text.h"
 
-// Tests of a cell's section simulation, which lets the engine run in a process of its own.
+// Tests a cell's section simulation, with which the engine can run in a process of its own.
 
 namespace osteon::config {
 namespace {
 
 using testing::HasSubstr;
 
-// Text of the thin plate's cell with a section simulation of these lines.
+// Text of the thin plate's cell, with a section simulation that consists of these lines.
 std::string WithSimulation(const std::string& keys) {
   return CellText("thin_plate") + "\nsimulation:\n" + keys;
 }

@@ -9,8 +9,8 @@
 
 #include "config/reading/load.h"
 
-// Tests of optional keys in a cell's section cutting: how balls of bone are split, which of the tool's balls
-// cut, and the force of the cutting edges.
+// Tests optional keys in a cell's section cutting: the splitting of bone balls, the choice of the tool balls
+// that cut, and the force of the cutting edges.
 
 namespace osteon::config {
 namespace {

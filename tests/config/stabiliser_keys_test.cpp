@@ -6,7 +6,7 @@
 #include "config/reading/load.h"
 #include "tests/config/cell_text.h"
 
-// Tests of a cell's optional sections age_governor, passivity and energy_tank, which configure the loop's
+// Tests a cell's optional sections age_governor, passivity and energy_tank, which configure the loop's
 // stabilisers.
 
 namespace osteon::config {
@@ -45,8 +45,8 @@ TEST(StabiliserKeys, ReachTheLoop) {
   EXPECT_EQ(stabilisers.energy_tank.ramp_s, 0.1);
 }
 
-// Each value is in its range, but the governor would scale a damping of zero: the error must come with the
-// cell's file, not later from the loop's constructor.
+// Each value is in its range, but the governor would have to scale a damping of zero. The error must already
+// be reported for the cell's file, not only by the loop's constructor.
 TEST(StabiliserKeys, AnAgeGovernorWithoutAnyDampingIsRefused) {
   const std::string text = With(CellText("thin_plate_impedance"), "damping_Ns_per_m: [40, 40, 40]",
                                 "damping_Ns_per_m: [40, 40, 0]");

@@ -12,8 +12,8 @@
 #include "config/reading/load_robot.h"
 #include "io/fri/fri_link.h"
 
-// Tests that the program of the arm's controller (config/controllers/sunrise) fits the demo cell. Its
-// constants are read as text, because no Sunrise library is part of this repository.
+// Tests that the program for the arm's controller (config/controllers/sunrise) fits the demo cell. The
+// program's constants are read as text, because no Sunrise library is part of this repository.
 
 namespace osteon::config {
 namespace {
@@ -57,7 +57,7 @@ TEST_F(SunriseApplication, UsesTheCommandModeOfTheSimulatedArm) {
   EXPECT_EQ(cell_.simulated.fri.command_mode, control::CommandMode::kPosition);
 }
 
-// The load of the program's tool must equal the cell's load on the flange.
+// The tool load in the program must equal the load on the flange in the cell.
 TEST_F(SunriseApplication, ChecksForTheCellsPayload) {
   const RobotModel bare = LoadRobot(kRoot / "config/robots/lbr_iiwa_14_r820.yaml");
   const double payload_kg = cell_.robot.lbr()->chain.joints.back().link.mass_kg -

@@ -11,7 +11,7 @@
 #include "config/reading/load_surgical_plan.h"
 #include "tests/temporary_path.h"
 
-// Tests of the plans' files (config/plans): the shipped ones, and the errors of changed ones.
+// Tests the plans' files in config/plans: the shipped plans, and the errors of changed plans.
 
 namespace osteon::config {
 namespace {
@@ -23,8 +23,8 @@ const fs::path kPlan = kConfig / "plans" / "acetabulum.yaml";
 
 class SurgicalPlanFiles : public testing::Test {
  protected:
-  // Writes the shipped plan with the first `from` replaced, and returns the file. The scene is named by its
-  // whole path, because the file lies in another folder.
+  // Writes the shipped plan with the first occurrence of `from` replaced. @returns the file. The file names
+  // the scene by an absolute path, because it lies in another folder.
   fs::path Changed(const std::string& from, const std::string& to) {
     std::ostringstream text;
     text << std::ifstream(kPlan).rdbuf();
@@ -54,7 +54,7 @@ class SurgicalPlanFiles : public testing::Test {
 
 TEST_F(SurgicalPlanFiles, TheDemosPlanPointsOutOfTheDemosCup) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kPlan);
-  // landmarks are written to 1 µm, and the third lies 87 mm from the line of the first two
+  // landmarks are rounded to 1 µm, and the third landmark lies 87 mm from the line through the first two
   EXPECT_LT((config.plan.axis_G - Vector3::UnitZ()).norm(), 2e-5);
   EXPECT_EQ(config.plan.tools.size(), 4u);
   EXPECT_DOUBLE_EQ(config.plan.cavity().radius_m, 0.025);
@@ -132,7 +132,7 @@ TEST_F(SurgicalPlanFiles, APelvicTiltTurnsThePlannedAxis) {
 TEST_F(SurgicalPlanFiles, ACellWhoseDepthLimitBeginsAboveThePlanIsRefused) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kPlan);
   CellConfig cell = LoadCell(kConfig / "cells" / "demo.yaml");
-  // the deepest apex is planned 27 mm below the face at 210 mm: 11 mm before the bound at 172 mm
+  // the deepest planned apex is 27 mm below the face at 210 mm, thus 11 mm before the bound at 172 mm
   cell.servo.depth.soft_m = 0.0105;
   EXPECT_NO_THROW(CheckPlanInCell(config, cell, kPlan, "cell.yaml"));
   cell.servo.depth.soft_m = 0.0115;
@@ -146,8 +146,8 @@ TEST_F(SurgicalPlanFiles, APlanForAnotherBoneThanTheCellsIsRefused) {
       ConfigError);
 }
 
-// A plan for a mesh describes the cup but no bone: the command names the mesh, which replaces any cell's
-// bone.
+// A plan for a mesh describes the cup but no bone. The user names the mesh in the command, and this mesh
+// replaces the bone of the cell.
 TEST(SurgicalPlanFile, APlanForAMeshHasACupAndNoBone) {
   const SurgicalPlanConfig config = LoadSurgicalPlan(kConfig / "plans" / "hip_bone_left.yaml");
   ASSERT_TRUE(config.mesh_cup);

@@ -11,7 +11,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/temporary_path.h"
 
-// Tests of the tools' files (config/tools): every size of a set can be built, and wrong sizes are refused.
+// Tests the tools' files in config/tools: every size in a set can be built, and wrong sizes are refused.
 
 namespace osteon::config {
 namespace {
@@ -28,7 +28,7 @@ TEST(ReamerSet, EveryDiameterFrom36To68MillimetresBuildsAndMassRises) {
     EXPECT_DOUBLE_EQ(simulation::CuttingReach(tool), 0.5e-3 * d);
     EXPECT_EQ(tool.name, "hemispherical reamer " + std::to_string(d) + " mm");
     EXPECT_GT(tool.mass_kg, mass);
-    // the head's base plane is 155 mm ahead of the flange for every head
+    // the base plane of every head is 155 mm ahead of the flange
     EXPECT_NEAR(config.X_FT.translation().z(), 0.155 + 0.5e-3 * d, 1e-15);
     EXPECT_NE(tool.center_of_mass_m.z, center);
     EXPECT_LE(tool.balls.size(), gpu::kMaxToolBalls);
@@ -66,7 +66,8 @@ TEST(ToolSets, DefaultSizeExistsAndOtherSizesAreRefusedWithTheList) {
   }
 }
 
-// A neck of 7.7 mm does not fit a burr of 1.4 mm: the error names the line of this row, not that of the list.
+// A neck of 7.7 mm does not fit a burr of 1.4 mm. The error must name the line of this row, not the line of
+// the list.
 TEST(ToolSets, ARowThatCannotBeBuiltIsRefusedAtItsLine) {
   std::string text = io::test::ReadAll(kTools + "round_burr.yaml");
   const std::string row = "  - {diameter_mm: 1.4, neck_mm: 0.77}";
@@ -87,8 +88,8 @@ TEST(ToolSets, ARowThatCannotBeBuiltIsRefusedAtItsLine) {
   EXPECT_NO_THROW(static_cast<void>(LoadTool(file, 0.0018))) << "the other rows are as they were";
 }
 
-// All sizes of the shipped burrs, drills and canal reamers stay within the Vulkan engine's largest number of
-// balls. Sizes that a set does not have are skipped.
+// Every size of the shipped burrs, drills and canal reamers must have no more balls than the Vulkan engine
+// accepts. Sizes that a set does not contain are skipped.
 TEST(ToolSets, BurrsAndDrillsOfEverySizeFitTheEngine) {
   for (const char* file :
        {"round_burr", "pear_burr", "cylinder_burr", "taper_burr", "twist_drill", "canal_reamer"})
@@ -100,7 +101,8 @@ TEST(ToolSets, BurrsAndDrillsOfEverySizeFitTheEngine) {
         continue;
       }
       EXPECT_LE(config.tool.balls.size(), gpu::kMaxToolBalls) << config.tool.name;
-      // a packed head may stay below its outline by the accepted gap: at most 12 % of the diameter, at flutes
+      // the balls of a head may lie below its outline by the accepted gap, which is at most 12 % of the
+      // diameter, at flutes
       EXPECT_NEAR(simulation::CuttingReach(config.tool), tenths * 0.5e-4, 0.12 * tenths * 1e-4);
       EXPECT_NEAR(config.X_FT.translation().z(), 0.175, 0.07) << config.tool.name;
     }

@@ -12,8 +12,8 @@
 #include "console/server/surface_reader.h"
 #include "console/server/surface_store.h"
 
-// Tests of parts of the console's server without a network: messages of a page, access, the operator's role,
-// and how surface bricks and live windows are shared among pages.
+// Tests parts of the console's server without a network: messages of a page, access, the operator's role, and
+// how surface bricks and live windows are distributed to pages.
 
 namespace osteon::console {
 namespace {
@@ -138,8 +138,8 @@ TEST(SurfaceReader, GetsTheNewestVersionOfEachBrickInParts) {
   EXPECT_EQ(reader.Next(store, 1).bricks, "again") << "a brick is larger than a part";
 }
 
-// Three bricks change in every turn, and a part takes one of them. So three parts make a whole change, whose
-// bricks must all be of one time.
+// Three bricks change in every turn, but only one of them is sent per turn. So three turns transmit a whole
+// change, and its bricks must all be from the same time.
 TEST(SurfaceReader, AllBricksOfAChangeAreSentWhileBricksKeepChanging) {
   SurfaceStore store;
   SurfaceReader reader;

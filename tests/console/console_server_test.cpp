@@ -28,8 +28,8 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{20};
 
-// A page without a browser: a WebSocket client that keeps all messages it receives.
-// @param reads  false: does not read what the server sends
+// Replaces a page in a browser: a WebSocket client that keeps all messages that it receives.
+// @param reads  false: the client does not read what the server sends
 class Client {
  public:
   Client(int port, const char* origin, bool reads = true, const char* path = "/live") : reads_(reads) {
@@ -48,7 +48,7 @@ class Client {
   void Send(const std::string& text) {
     mg_websocket_client_write(connection_, MG_WEBSOCKET_OPCODE_TEXT, text.data(), text.size());
   }
-  /// Waits for the next message of this type for which `is` holds; null if none comes.
+  /// Waits for the next message of this type for which `is` returns true; null if none arrives.
   nlohmann::json Await(const std::string& type, const std::function<bool(const nlohmann::json&)>& is = {}) {
     std::unique_lock lock(mutex_);
     nlohmann::json found;
@@ -65,7 +65,7 @@ class Client {
     });
     return found;
   }
-  /// Waits until `count` binary messages, which carry bricks, have arrived since the beginning.
+  /// Waits until `count` binary messages have arrived since the beginning. Binary messages carry bricks.
   bool AwaitBinary(std::size_t count) {
     std::unique_lock lock(mutex_);
     return arrived_.wait_for(lock, kPatience, [&] { return binaries_.size() >= count; });
@@ -120,7 +120,7 @@ class Client {
   mg_connection* connection_{nullptr};
 };
 
-// A server whose feed gets a tick of a cutting cell about every millisecond.
+// A server whose feed receives a tick of a cutting cell about every millisecond.
 class ConsoleServerTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -154,9 +154,9 @@ class ConsoleServerTest : public testing::Test {
     done_.store(true);
     if (feeder_.joinable()) feeder_.join();
   }
-  // without a port: the client leaves the port out of its Host header, and the origin must equal the host
+  // without the port, because the client's Host header has none and the origin must equal the host
   [[nodiscard]] static std::string origin() { return "http://127.0.0.1"; }
-  // Waits until `is` holds; false if that takes longer than kPatience.
+  // Waits until `is` returns true. Returns false if that takes longer than kPatience.
   bool Eventually(const std::function<bool()>& is) const {
     for (const auto end = std::chrono::steady_clock::now() + kPatience;
          std::chrono::steady_clock::now() < end;) {
@@ -170,7 +170,7 @@ class ConsoleServerTest : public testing::Test {
   LiveFeed feed_;
   SurfaceStore surface_;
   std::atomic<unsigned> requests_{0};
-  std::atomic<int> left_{0};  // pages that vanished with the operator's role
+  std::atomic<int> left_{0};  // number of pages that vanished while they had the operator's role
   std::atomic<bool> done_{false};
   std::unique_ptr<ConsoleServer> server_;
   std::thread feeder_;
@@ -192,7 +192,8 @@ TEST_F(ConsoleServerTest, APageGetsHelloThenTheStreamAndTheSurface) {
   EXPECT_TRUE(page.AwaitBinary(2));
 }
 
-// A page clears its charts when it receives hello, so that it needs the earlier windows again.
+// A page clears its charts when it receives the message hello. Therefore the server must send it the earlier
+// windows again.
 TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheKeptWindowsAgain) {
   Client page(server_->port(), origin().c_str());
   ASSERT_TRUE(page.open());
@@ -205,7 +206,8 @@ TEST_F(ConsoleServerTest, APageThatAsksForAllGetsTheKeptWindowsAgain) {
   EXPECT_LE(page.Await("live")["windows"][0][0].get<double>(), first_s);
 }
 
-// The change has 4.5 MB, and a message at most 1 MiB (1.049 MB): surface_whole comes after the last one.
+// The change has 4.5 MB, and a message has at most 1 MiB (1.049 MB). The message surface_whole must come
+// after the last part.
 TEST_F(ConsoleServerTest, ALargeChangeIsReportedWholeAfterItsLastMessage) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
   std::vector<std::pair<std::uint64_t, std::string>> change;
@@ -218,8 +220,8 @@ TEST_F(ConsoleServerTest, ALargeChangeIsReportedWholeAfterItsLastMessage) {
   EXPECT_EQ(page.binary_bytes(), 4'500'000u);
 }
 
-// While a cut goes on, a new change comes every 5 ms, with 412 bricks as of a reamer. The page must still
-// receive complete changes.
+// During a cut a new change comes every 5 ms, with 412 bricks as for a reamer. The page must still receive
+// complete changes.
 TEST_F(ConsoleServerTest, WholeChangesReachThePageWhileTheCutGoesOn) {
   surface_.Begin(surface::BrickLayout{}, R"({"type":"surface"})");
   std::atomic<bool> done{false};
@@ -237,7 +239,7 @@ TEST_F(ConsoleServerTest, WholeChangesReachThePageWhileTheCutGoesOn) {
   cut.join();
 }
 
-// To compare two recordings, one server has two streams, and sends its notes to the pages of both.
+// To compare two recordings, one server has two streams. It sends its notes to the pages of both streams.
 TEST_F(ConsoleServerTest, APageThatAsksForTheSecondStreamGetsIt) {
   LiveFeed feed;
   control::TickRecord tick;
@@ -266,7 +268,7 @@ TEST_F(ConsoleServerTest, APageThatAsksForTheSecondStreamGetsIt) {
   EXPECT_FALSE(second.Await("note").is_null());
   const auto is_of_second = [](const nlohmann::json& live) { return live["status"]["force_N"] == 42.0; };
   EXPECT_FALSE(second.Await("live", is_of_second).is_null());
-  // a server without a second stream sends its only one
+  // a server without a second stream sends its only stream
   Client other(server_->port(), origin().c_str(), true, "/live?stream=2");
   EXPECT_EQ(other.Await("hello")["cell"], "test");
 }
@@ -291,7 +293,7 @@ TEST_F(ConsoleServerTest, OnlyTheOperatorsPageSteers) {
   EXPECT_TRUE(two.Await("answer")["done"].get<bool>());
 }
 
-// No notice is given when a page closes that only watched or had given the role back.
+// No notice is given when a page closes that only watched, or that had returned the operator's role before.
 TEST_F(ConsoleServerTest, OnlyAPageThatVanishesWithTheRoleIsReported) {
   {
     Client watches(server_->port(), origin().c_str()), gives_back(server_->port(), origin().c_str());
@@ -316,7 +318,7 @@ TEST_F(ConsoleServerTest, OnlyAPageThatVanishesWithTheRoleIsReported) {
   stays.Send(R"({"ask": "role"})");
   EXPECT_FALSE(
       stays.Await("role", [](const auto& role) { return role["mine"].template get<bool>(); }).is_null());
-  server_.reset();  // the run's end is no page that vanishes
+  server_.reset();  // at the end of the run pages close as well, which must not be reported
   EXPECT_EQ(left_.load(), 1);
 }
 
@@ -334,8 +336,8 @@ TEST_F(ConsoleServerTest, AnOperatorsPageThatVanishesFreesTheRole) {
           .is_null());
 }
 
-// A page reports the stamp of the figure that it has just drawn, and the server subtracts the stamp from its
-// own clock. Stamps of the future or of long ago are ignored.
+// A page reports the time stamp of the figure that it has just drawn. The server computes the delay with its
+// own clock. It ignores stamps that are in the future or too old.
 TEST_F(ConsoleServerTest, TheDelayUntilAFigureIsDrawnIsMeasuredByTheServersClock) {
   Client page(server_->port(), origin().c_str());
   EXPECT_FALSE(server_->drawn_ms());
@@ -391,8 +393,8 @@ TEST_F(ConsoleServerTest, OfSixtyFourPagesSixteenAreServed) {
   EXPECT_FALSE(Client(server_->port(), origin().c_str()).Await("live").is_null());
 }
 
-// The server waits 10 s before it closes such a page. One test checks all the consequences, to wait only
-// once.
+// The server closes a page that does not read for 10 s. One test checks all consequences, so that it has to
+// wait only once.
 TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedDelaysNoOtherAndLearnsWhyWhenItReopens) {
   Client slow(server_->port(), origin().c_str());
   const std::string key = slow.Await("key")["key"];
@@ -410,7 +412,7 @@ TEST_F(ConsoleServerTest, APageThatDoesNotReadIsClosedDelaysNoOtherAndLearnsWhyW
   const auto closed = again.Await("closed");
   EXPECT_EQ(closed["code"], 1008);
   EXPECT_NE(closed["reason"].get<std::string>().find("took nothing"), std::string::npos);
-  // the reason is told once, and to no other page
+  // only the closed page learns the reason, and only once
   Client third(server_->port(), origin().c_str(), true, ("/live?was=" + key).c_str());
   Client other(server_->port(), origin().c_str());
   for (Client* each : {&third, &other}) {

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-// Tests of the server for the Foxglove viewer: the protocol's messages as text and bytes, and the server with
+// Tests the server for the Foxglove viewer: the protocol's messages as text and as bytes, and the server with
 // real connections on the loopback.
 
 namespace osteon::console {
@@ -58,7 +58,7 @@ TEST(FoxgloveProtocol, RefusesOtherRequestsWithWhatIsAccepted) {
 }
 
 TEST(FoxgloveProtocol, WritesMessagesAsSpecified) {
-  // schema bytes and their base64 as in Foxglove's own test of its advertisement
+  // the schema's bytes and their base64 text are those of Foxglove's own test of this message
   const std::vector<FoxgloveChannel> channels{
       {.topic = "t3", .schema_name = "t3-schema", .schema = "\xde\xad\xbe\xef"}};
   const auto advertised = nlohmann::json::parse(FoxgloveAdvertise(channels));
@@ -90,8 +90,8 @@ class CountingSource final : public FoxgloveSource {
 // A Foxglove viewer: a WebSocket client that keeps all messages it receives.
 class Viewer {
  public:
-  // the client library writes the origin unchanged into its request: a line break adds the subprotocol's
-  // header
+  // the client library copies the origin unchanged into its request, so a line break in it can add the header
+  // of the subprotocol
   Viewer(int port, const std::string& origin, const char* subprotocol, const char* path = "/")
       : headers_(origin +
                  (subprotocol != nullptr ? std::string("\r\nSec-WebSocket-Protocol: ") + subprotocol : "")) {
@@ -109,7 +109,7 @@ class Viewer {
   void Send(const std::string& text, int opcode = MG_WEBSOCKET_OPCODE_TEXT) {
     mg_websocket_client_write(connection_, opcode, text.data(), text.size());
   }
-  // Waits until `is` holds for the messages received so far.
+  // Waits until `is` returns true for the messages received so far.
   bool Await(const std::function<bool(const std::vector<std::string>& texts,
                                       const std::vector<std::string>& binaries)>& is) {
     std::unique_lock lock(mutex_);

@@ -10,7 +10,7 @@
 namespace osteon {
 namespace {
 
-// The console's page has its German texts of faults in console/web/src/fault_texts.ts, each under the fault's
+// The console's page has a German text for each fault, in console/web/src/fault_texts.ts under the fault's
 // English name.
 TEST(GermanFaults, EachFaultHasAGermanText) {
   const std::filesystem::path file =

@@ -20,7 +20,7 @@ std::string TextOf(const std::filesystem::path& file) {
   return text.str();
 }
 
-// The C++ sources whose messages the page shows, with string literals that go over several lines joined.
+// The C++ sources whose messages the page shows. String literals that span several lines are joined.
 std::string Sources() {
   std::string text;
   for (const char* folder :
@@ -33,8 +33,9 @@ std::string Sources() {
   return std::regex_replace(text, std::regex("\"\\s*\n\\s*\""), "");
 }
 
-// The page translates a message by its English words (console/web/src/message_texts.ts). If the words change
-// in the sources, the page would show the message in English.
+// The page finds the translation of a message by the message's English words
+// (console/web/src/message_texts.ts). If the words change in the sources, the page would show the message in
+// English.
 TEST(GermanMessages, EachTranslatedMessageOccursInTheSources) {
   const std::string page = TextOf(kSource / "console/web/src/message_texts.ts"), sources = Sources();
   const std::regex line("\n  \\[\"([^\"]*)\",");
@@ -42,7 +43,7 @@ TEST(GermanMessages, EachTranslatedMessageOccursInTheSources) {
   for (std::sregex_iterator found(page.begin(), page.end(), line), end; found != end; ++found) {
     ++messages;
     std::string rest = (*found)[1];
-    while (!rest.empty()) {  // each piece of text between the placeholders {}
+    while (!rest.empty()) {  // for each piece of text between the placeholders {}
       const std::size_t value = std::min(rest.find("{}"), rest.size());
       EXPECT_NE(sources.find(rest.substr(0, value)), std::string::npos) << rest.substr(0, value);
       rest.erase(0, value + 2);

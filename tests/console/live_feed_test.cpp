@@ -9,12 +9,12 @@
 #include "safety/cell_state.h"
 #include "safety/watchdog.h"
 
-// Tests of the live feed, which gathers a cell's ticks into windows of 33 ms for the console's pages.
+// Tests the live feed, which collects a cell's ticks in windows of 33 ms for the console's pages.
 
 namespace osteon::console {
 namespace {
 
-// A tick of a cell with a period of 1 ms; its number is also its time [ms].
+// A tick of a cell with a period of 1 ms. The tick's number equals its time in ms.
 
 control::TickRecord Tick(std::uint64_t number, double force_N,
                          safety::CellState state = safety::CellState::kCutting) {
@@ -56,8 +56,8 @@ TEST(LiveFeed, RenderedAndPausedTimeAreCountedSeparately) {
   EXPECT_NEAR(feed.Newest().paused_s, 0.3, 1e-9);
 }
 
-// Of 1000 ticks one takes 900 µs, twenty take 60 µs and the rest 30 µs: the largest is 900 µs, the 99th
-// percentile 60 µs.
+// One of 1000 ticks takes 900 µs, twenty take 60 µs, and the others take 30 µs. So the largest time is 900
+// µs, and the 99th percentile is 60 µs.
 TEST(LiveFeed, KeepsTheLargestAndTheNinetyNinthPercentileOfTickTimes) {
   LiveFeed feed;
   for (std::uint64_t i = 1; i <= 1000; ++i) {
@@ -93,7 +93,7 @@ TEST(LiveFeed, ALimitActsFromItsFirstTickUntilAWholeWindowIsWithoutIt) {
   };
   take(100, false);
   take(200, true);
-  take(5, false);  // a break shorter than a window does not count
+  take(5, false);  // an interruption shorter than a window is ignored
   take(200, true);
   feed.Flush();
   EXPECT_EQ(feed.Newest().limit_since[kSpeed], 101 * rt::kMillisecond);
@@ -132,7 +132,8 @@ TEST(LiveFeed, ALateReaderGetsTheLastWindowsAndEvents) {
   EXPECT_TRUE(feed.EventsSince(seen_events).empty());
 }
 
-// Each page asks thirty times a second: a copy must not allocate for windows that the page has seen.
+// Each page asks thirty times per second. A copy must not allocate memory for windows that the page already
+// has.
 TEST(LiveFeed, AReaderAllocatesOnlyForNewWindows) {
   LiveFeed feed;
   std::uint64_t tick = 0, seen = 0;
@@ -156,8 +157,9 @@ TEST(LiveFeed, KeepsTheRequestedNumberOfWindows) {
   EXPECT_EQ(windows.front().number + 299, windows.back().number);
 }
 
-// When a playback jumps, it first gathers half a minute of ticks in another feed, and then shows this feed in
-// one step. The jump leads to ticks 5001 … 7000; the first window of 33 ms ends with tick 5034.
+// When a playback jumps, it first collects half a minute of ticks in another feed. Then it shows the other
+// feed's content in one step. Here the jump leads to ticks 5001 … 7000, of which the first window of 33 ms
+// ends with tick 5034.
 TEST(LiveFeed, ShowsAnotherFeedsContentInOneStepAndContinuesFromIt) {
   LiveFeed feed;
   for (std::uint64_t i = 1; i <= 100; ++i) feed.TakeTick(Tick(i, 1.0));
@@ -183,7 +185,7 @@ TEST(LiveFeed, ShowsAnotherFeedsContentInOneStepAndContinuesFromIt) {
 TEST(LiveFeed, AReaderThatHasNotNoticedAJumpGetsNothing) {
   LiveFeed feed;
   for (int i = 0; i < 5; ++i) feed.TakeEvent({.stamp = i, .text = "x"});
-  std::uint64_t seen_events = 0, seen = 3;  // counts from before the jump
+  std::uint64_t seen_events = 0, seen = 3;  // the reader's counts are from before the jump
   EXPECT_EQ(feed.EventsSince(seen_events).size(), 5u);
   const std::uint64_t epoch = feed.epoch();
   LiveFeed empty;
@@ -194,8 +196,8 @@ TEST(LiveFeed, AReaderThatHasNotNoticedAJumpGetsNothing) {
   EXPECT_EQ(feed.Newest().number, 0u);
 }
 
-// Two readers copy all the time while the writer goes on: each window must be from one moment (its force
-// equals its tick's number).
+// Two readers copy all the time while the writer continues. Each window must be from one moment: its force
+// equals its tick's number.
 TEST(LiveFeed, ReadersNeverTearAWindow) {
   LiveFeed feed;
   std::atomic<bool> done{false};

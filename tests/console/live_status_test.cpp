@@ -15,12 +15,12 @@
 #include "safety/motion_permit.h"
 #include "safety/watchdog.h"
 
-// Tests of the status that the console shows: its figures, its line for the terminal, and its JSON.
+// Tests the status that the console shows: its figures, its text line for the terminal, and its JSON.
 
 namespace osteon::console {
 namespace {
 
-// A window of a cell in this state, 5 N of force and 4 mm deep.
+// A window of a cell in this state, with a force of 5 N and a depth of 4 mm.
 
 LiveWindow Window(safety::CellState state) {
   LiveWindow w;
@@ -183,8 +183,8 @@ TEST(LiveStatus, RecoveryIsOfferedAtRestIfAllFaultsAllowIt) {
   EXPECT_FALSE(StatusOf(Window(safety::CellState::kCutting), kContext).can_recover);
 }
 
-// While the arm moves, the loop does not evaluate the conditions for a start of motion: their bits in the
-// tick are zero, but none is missing.
+// While the arm moves, the loop does not evaluate the conditions for a start of motion. Their bits in the
+// tick are then zero, but no condition must be shown as missing.
 TEST(LiveStatus, ConditionsForMotionAreShownAndCountAsMetDuringMotion) {
   LiveWindow w = Window(safety::CellState::kChecking);
   safety::MotionPermits permits(safety::MotionPermits::kAll);
@@ -253,8 +253,8 @@ TEST(LiveJson, HasARowPerWindowAndTheLastWindowsStatusAndPoses) {
   EXPECT_EQ(json["view"]["contacts"][1][5], 0.8);
 }
 
-// In a compliant cell the page draws the bone at X_WM and the bent head at X_WE = X_WM X_ME. A rigid cell
-// sends neither pose.
+// In a compliant cell the page draws the bone at the pose X_WM, and the bent head at X_WE = X_WM X_ME. A
+// rigid cell sends neither of these poses.
 TEST(LiveJson, HasThePosesOfBoneAndBentHeadInACompliantCell) {
   std::array windows{Window(safety::CellState::kCutting)};
   EXPECT_FALSE(nlohmann::json::parse(LiveJson(windows, kContext))["view"].contains("X_WM"));

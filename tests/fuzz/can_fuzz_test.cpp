@@ -9,7 +9,7 @@
 #include "io/can/udp_can_codec.h"
 #include "tests/io/can/can_frames.h"
 
-// Fixed-seed fuzzing of the CAN clients (two force sensors, the drive) and of the UDP tunnel: they get
+// Fixed-seed fuzzing of the CAN clients (two force sensors, the drive) and of the UDP tunnel. They receive
 // answers with the right ids and changed bytes, and noise.
 
 namespace osteon::io {
@@ -17,12 +17,13 @@ namespace {
 
 constexpr unsigned kSeed = 20240811;
 
-// Random numbers and random CAN frames.
+// Makes random numbers and random CAN frames.
 class Noise {
  public:
   std::size_t Below(std::size_t n) { return random_() % n; }
 
-  // A frame, usually with one of these ids and one of these first bytes; sizes and other bytes are random.
+  // A frame that usually has one of these ids and one of these first bytes. Its size and its other bytes are
+  // random.
   CanFrame Frame(std::initializer_list<int> ids, std::initializer_list<int> first_bytes) {
     CanFrame frame;
     const bool any = Below(10) == 0;
@@ -41,8 +42,8 @@ class Noise {
 
 bool Finite(const PlainWrench& F) { return Vector3(F.f).allFinite() && Vector3(F.t).allFinite(); }
 
-// Feeds a client the frames of `make` at random times, lets it send its own frames, and restarts it now and
-// then.
+// Delivers frames of `make` to a client at random times, lets the client send its own frames, and restarts it
+// from time to time.
 // @param check  called after each step
 template <class Client, class MakeFrame, class Check>
 void Fuzz(Client& client, int steps, MakeFrame&& make, Check&& check) {
@@ -72,7 +73,8 @@ TEST(CanFuzz, ARobotousSensorGivesOnlyFiniteReadings) {
       sensor, 200'000,
       [&](Noise& noise) {
         CanFrame frame = noise.Frame({1, 2, 1, 2, 0x64}, {0x0B, 0x08, 0x09, 0x0F, 0x10});
-        if (noise.Below(5) != 0) {  // mostly the two frames of a reading in order, with any content
+        if (noise.Below(5) !=
+            0) {  // usually delivers the two frames of a reading in order, with random content
           frame.id = static_cast<std::uint16_t>(1 + step++ % 2);
           frame.size = 8;
           if (frame.id == 1 && frame.data[0] < 0x0B) frame.data[1] = frame.data[2] = 0;
@@ -98,7 +100,7 @@ TEST(CanFuzz, AnAtiSensorGivesOnlyFiniteReadings) {
   Fuzz(
       sensor, 200'000,
       [&](Noise& noise) {
-        // Mostly the expected answer, in order, with any content.
+        // Usually deliver the expected answer in its order, with random content.
         if (noise.Below(5) != 0) {
           constexpr std::array<int, 3> kRow{0x202, 0x203, 0x204};
           CanFrame frame = noise.Frame({0x200}, {0, 0x3F, 0x40});
@@ -133,7 +135,7 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
   for (int i = 0; i < 300'000; ++i) {
     now += static_cast<rt::Nanoseconds>(noise.Below(3)) * rt::kMillisecond;
     CanFrame frame = noise.Frame({0x090, 0x190, 0x290, 0x590, 0x710, 0x190}, {0x27, 0x43, 0x60, 0x80, 5, 0});
-    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // mostly the correct answer
+    if (drive.phase() == DrivePhase::kStarting && noise.Below(20) != 0) {  // usually the correct answer
       frame = asked;
       frame.id = 0x590;
       frame.data[0] = asked.data[0] == 0x40 ? 0x43 : 0x60;
@@ -152,7 +154,7 @@ TEST(CanFuzz, TheDriveIsNeverCommandedBeyondItsSpeedOrOutOfAFault) {
       if (out.id != 0x210) continue;
       const int rpm = static_cast<int>(out.data[3] | out.data[4] << 8 | out.data[5] << 16 |
                                        static_cast<unsigned>(out.data[6]) << 24);
-      ASSERT_LE(std::abs(rpm), 7640);  // 40 rad/s at the reamer, times the gear's 20
+      ASSERT_LE(std::abs(rpm), 7640);  // 40 rad/s at the reamer, times the gear ratio of 20
       if (drive.status().faults != 0) {
         ASSERT_NE(out.data[0], 0x0F) << "enabled in spite of a fault";
       }
@@ -203,7 +205,7 @@ TEST(CanFuzz, TheTunnelAcceptsOnlyValidFrames) {
     ++accepted;
     ASSERT_LE(message.frame.id, kCanMaxId);
     ASSERT_LE(message.frame.size, 8);
-    // An accepted datagram is encoded again to the same bytes.
+    // An accepted datagram must be encoded again to the same bytes.
     std::array<std::uint8_t, kUdpCanMaxDatagram> again{};
     ASSERT_EQ(EncodeUdpCan(message, again), bytes.size());
     ASSERT_TRUE(std::equal(bytes.begin(), bytes.end(), again.begin()));

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// Where make_corpus.cpp and make_file_corpus.cpp write the seeds: one folder for each fuzz target.
+// The folders for the seeds of make_corpus.cpp and make_file_corpus.cpp: one folder for each fuzz target.
 
 namespace osteon {
 
@@ -24,7 +24,7 @@ class Corpus {
     std::ofstream out(folder_ / name, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  /// Writes a seed of a target whose first byte selects how the rest is read.
+  /// Writes a seed. Its first byte selects how the target reads the rest.
   void Write(const std::string& name, std::uint8_t first, const std::string& rest) const {
     Bytes bytes{first};
     bytes.insert(bytes.end(), rest.begin(), rest.end());
@@ -38,7 +38,7 @@ class Corpus {
   std::filesystem::path folder_;
 };
 
-/// Writes the seeds of all targets that read files (in make_file_corpus.cpp).
+/// Writes the seeds of all targets that read files; defined in make_file_corpus.cpp.
 void WriteFiles(const std::filesystem::path& root);
 
 }  // namespace osteon

@@ -8,9 +8,9 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/fri/fri_oracle.h"
 
-// Fixed-seed fuzzing of the FRI messages' decoder and session: they get valid messages with some bytes
-// changed, cut or repeated, and noise. OSTEON_FUZZ_RUNS sets the number of datagrams of each test, e.g.
-// 1000000.
+// Fixed-seed fuzzing of the FRI messages' decoder and of the FRI session. They receive noise, and valid
+// messages in which some bytes were changed, cut or repeated. OSTEON_FUZZ_RUNS sets the number of datagrams
+// of each test, e.g. 1000000.
 
 namespace osteon::io {
 namespace {
@@ -28,12 +28,12 @@ bool Finite(const std::optional<control::JointArray>& joints) {
   return !joints || std::all_of(joints->begin(), joints->end(), [](double x) { return std::isfinite(x); });
 }
 
-// Makes hostile datagrams.
+// Makes wrong and hostile datagrams.
 class Mutator {
  public:
-  // libprotobuf, the oracle, reports names that are not UTF-8 to stderr.
+  // Silences libprotobuf (the oracle), which otherwise reports to stderr each name that is not UTF-8.
   Mutator() { google::protobuf::SetLogHandler(nullptr); }
-  // Up to six random changes of single bytes, or a cut.
+  // Makes up to six random changes of single bytes, or cuts the end off.
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
     const std::size_t changes = 1 + RandomBelow(6);
     for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
@@ -55,14 +55,14 @@ class Mutator {
         case 4:
           bytes.erase(here);
           break;
-        default:  // an infinity or NaN somewhere: the top bytes of a little-endian double
+        default:  // writes an infinity or NaN somewhere: these are the top bytes of a little-endian double
           for (std::size_t k = at; k < std::min(at + 2, bytes.size()); ++k) bytes[k] = k == at ? 0xf0 : 0x7f;
       }
     }
     return bytes;
   }
-  // A changed datagram of the message. Of 2.7, seven in eight have a changed message in a frame with its
-  // right CRC, since the CRC would reject nearly all other changes.
+  // A changed datagram of the message. In FRI 2.7, seven of eight datagrams have a changed message in a frame
+  // with the right CRC, because the CRC would otherwise reject nearly all changes.
   std::vector<std::uint8_t> Change(FriFamily family, const fri::FRIMonitoringMessage& message) {
     if (family != FriFamily::k2_7 || RandomBelow(8) == 0) return Change(test::Datagram(family, message));
     return test::Framed(Change(test::Bytes(message)));
@@ -89,8 +89,8 @@ TEST(FriFuzz, ATruncatedMessageIsRefusedOrStillHasAllRequiredFields) {
       const CodecError error = DecodeMonitoring(family, cut, m);
       (void)DetectFamily(cut);
       no_alloc.End();
-      // Only 2.7 frames its message with a length and a CRC. A message of the others that is cut before its
-      // last field of protobuf may be accepted, if it has the required ones.
+      // Only FRI 2.7 frames its message with a length and a CRC. In the other versions, a message that is cut
+      // between two protobuf fields may be accepted, if it contains the required fields.
       if (error == CodecError::kNone) {
         ASSERT_TRUE(m.q_meas && m.q_ipo) << size;
         ASSERT_TRUE(family != FriFamily::k2_7 || size == whole.size());
@@ -134,8 +134,8 @@ TEST(FriFuzz, AnAcceptedMessageIsFiniteAndInRange) {
       ASSERT_TRUE(X.matrix().allFinite() && std::abs(X.linear().determinant() - 1.0) < 0.01) << i;
     }
     for (const FriIo& io : m.ios) ASSERT_TRUE(std::isfinite(io.analog.value_or(0.0)));
-    // libprotobuf is the more tolerant reader (it knows no fixed sizes): it must accept what the decoder
-    // accepts
+    // libprotobuf is more tolerant, because it does not know the fixed sizes. So it must accept whatever the
+    // decoder accepts
     fri::FRIMonitoringMessage oracle;
     const auto inside = test::Inside(family, bytes);
     ASSERT_TRUE(oracle.ParseFromArray(inside.data(), static_cast<int>(inside.size()))) << i;

@@ -10,15 +10,15 @@
 #include "tests/io/fri/fri_oracle.h"
 #include "tests/io/rsi/rsi_oracle.h"
 
-// The program osteon_fuzz_corpus FOLDER: writes the fuzz targets' seeds (tests/fuzz/corpus) from the samples
-// of io's tests. The targets' files define the layout of the bytes.
+// The program osteon_fuzz_corpus FOLDER writes the seeds of the fuzz targets (tests/fuzz/corpus) from the
+// samples in the tests of io. The files of the targets define the layout of the bytes.
 
 namespace osteon {
 namespace {
 
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7};
 
-// Encodes a step of the targets fri_session and rsi: operation, size, datagram.
+// Encodes one step for the targets fri_session and rsi: operation, size, datagram.
 Bytes EncodedStep(unsigned op, const Bytes& datagram) {
   Bytes step{static_cast<std::uint8_t>(op), static_cast<std::uint8_t>(datagram.size()),
              static_cast<std::uint8_t>(datagram.size() >> 8)};
@@ -41,7 +41,8 @@ fri::FRIMonitoringMessage FullMonitoringWithStamp(std::uint32_t sequence, fri::S
 
 void WriteFri(const std::filesystem::path& root) {
   const Corpus decode(root, "fri_decode"), session(root, "fri_session");
-  const std::array versions{std::uint8_t{4}, std::uint8_t{6}, std::uint8_t{7}};  // 1.15, 2.5, 2.7
+  const std::array versions{std::uint8_t{4}, std::uint8_t{6},
+                            std::uint8_t{7}};  // bytes that select the versions 1.15, 2.5, 2.7
   for (std::size_t f = 0; f < kFamilies.size(); ++f) {
     const std::string name = std::to_string(f);
     Bytes one{static_cast<std::uint8_t>(f == 2 ? 2 | 4 : f)};
@@ -51,7 +52,7 @@ void WriteFri(const std::filesystem::path& root) {
     Append(one, io::test::Bytes(io::test::Monitoring(8, fri::MONITORING_READY, kFamilies[f])));
     decode.Write("monitoring_" + name, one);
 
-    // a whole session from IDLE to IDLE, with commands of each kind (Op of targets/fri_session.cpp)
+    // a whole session from IDLE to IDLE, with commands of each kind (see Op in targets/fri_session.cpp)
     Bytes all{versions[f]};
     const struct {
       fri::SessionState state;
@@ -82,7 +83,8 @@ void WriteFri(const std::filesystem::path& root) {
 
 void WriteRsi(const std::filesystem::path& root) {
   const Corpus corpus(root, "rsi");
-  for (const unsigned setup : {0u, 8u, 9u, 10u, 12u}) {  // all but the first may move after one message
+  for (const unsigned setup :
+       {0u, 8u, 9u, 10u, 12u}) {  // in all set-ups but the first, the arm may move after one message
     Bytes all{static_cast<std::uint8_t>(setup)};
     const unsigned count = setup == 0 ? 12 : 6;
     for (unsigned i = 0; i < count; ++i) {
@@ -102,14 +104,14 @@ void WriteRsi(const std::filesystem::path& root) {
 
 // ---- CAN
 
-// Encodes a step of the target can: the index of the device's id, and the frame's bytes.
+// Encodes one step for the target can: the index of the device's id, and the bytes of the frame.
 void AppendFrame(Bytes& to, unsigned op, const Bytes& data) {
   to.push_back(static_cast<std::uint8_t>(op));
   to.push_back(static_cast<std::uint8_t>(data.size()));
   Append(to, data);
 }
 
-// The bytes, filled up with zeros to a whole CAN frame.
+// The bytes, padded with zeros to the 8 bytes of a CAN frame.
 Bytes PaddedToEight(Bytes bytes) {
   bytes.resize(8);
   return bytes;
@@ -120,7 +122,7 @@ void WriteCan(const std::filesystem::path& root) {
   constexpr unsigned kLater = 1u << 5;  // 10 ms pass before the frame
 
   Bytes robotous{0};
-  for (int i = 0; i < 3; ++i) AppendFrame(robotous, 2 | kLater, {});  // time passes
+  for (int i = 0; i < 3; ++i) AppendFrame(robotous, 2 | kLater, {});  // lets time pass
   for (const Bytes& answer : {Bytes{0x08, 1}, Bytes{0x09, 0}, Bytes{0x0F, 1}, Bytes{0x10, 8}}) {
     AppendFrame(robotous, 0, PaddedToEight(answer));
     AppendFrame(robotous, 1, PaddedToEight({}));
@@ -134,24 +136,26 @@ void WriteCan(const std::filesystem::path& root) {
   Bytes ati{1};
   for (int row = 0; row < 6; ++row)
     for (int part = 0; part < 3; ++part) {
-      Bytes two(8);  // 1.0 on the diagonal
+      Bytes two(8);  // two elements of the matrix: 1.0 on the diagonal
       if (row / 2 == part) two[row % 2 ? 4 : 0] = 0x3F, two[row % 2 ? 5 : 1] = 0x80;
       AppendFrame(ati, static_cast<unsigned>(2 + part), two);
     }
-  AppendFrame(ati, 5, {0, 0, 0, 100, 0, 0, 0, 10});  // counts
-  AppendFrame(ati, 6, {2, 3});                       // units
+  AppendFrame(ati, 5, {0, 0, 0, 100, 0, 0, 0, 10});  // counts per newton and newton metre
+  AppendFrame(ati, 6, {2, 3});                       // codes of the units
   for (int i = 0; i < 6; ++i) {
     AppendFrame(ati, 0, {0, 0, 0, 100, 1, 0x2C, 0x7F, 0xFE});
     AppendFrame(ati, 1, {0xFF, 0x38, 0, 10, 0xFF, 0xEC});
   }
   corpus.Write("ati", ati);
-  Bytes counts(ati.begin(), ati.begin() + 1 + 6 * 3 * 10);  // its matrix, then invalid counts
+  Bytes counts(ati.begin(),
+               ati.begin() + 1 + 6 * 3 * 10);  // the bytes of the matrix alone; invalid counts follow
   AppendFrame(counts, 5, {0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0});
   corpus.Write("ati_counts", counts);
 
   Bytes drive{2};
-  for (int i = 0; i < 40; ++i) drive.push_back(14 | kLater);  // every expected answer, correct
-  AppendFrame(drive, 1, {5});                                 // operational
+  for (int i = 0; i < 40; ++i)
+    drive.push_back(14 | kLater);  // 40 correct answers to the drive client's requests
+  AppendFrame(drive, 1, {5});      // heartbeat: operational
   for (const std::uint8_t state : Bytes{0x40, 0x21, 0x23, 0x27, 0x27, 0x27, 0x08}) {
     AppendFrame(drive, 2, {state, 0x02, 3, 0x10, 0, 0, 0});
     AppendFrame(drive, 3, {0x20, 0, 0, 0, 0x19, 0});
@@ -175,12 +179,12 @@ void WritePlc(const std::filesystem::path& root) {
   const auto blocks = [](std::initializer_list<std::array<std::uint16_t, 14>> list) {
     Bytes all;
     for (const auto& block : list) {
-      all.push_back(10);  // ms since the previous block
+      all.push_back(10);  // time since the previous block [ms]
       for (const std::uint16_t value : block) {
         all.push_back(static_cast<std::uint8_t>(value));
         all.push_back(static_cast<std::uint8_t>(value >> 8));
       }
-      all.push_back(5);  // ms until it is judged
+      all.push_back(5);  // time until the block is judged [ms]
     }
     return all;
   };

@@ -18,13 +18,13 @@
 #include "tests/simulation/mesh/mesh_shapes.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// Writes the seeds for all fuzz targets that read files: nearly all valid files of a few kB, written by the
-// program's own writers where they exist.
+// Writes the seeds of all fuzz targets that read files. Nearly all seeds are valid files of a few kB. Where
+// the program has a writer for a kind of file, the writer makes the seed.
 
 namespace osteon {
 namespace {
 
-// ---- YAML constructs that no shipped file has
+// ---- YAML constructs that occur in no shipped file
 
 constexpr const char* kYaml = R"(# every kind of value
 name: 'a: text'
@@ -67,7 +67,7 @@ void WriteConfig(const std::filesystem::path& root) {
   files.Write("calibration", kCalibration);
 }
 
-// The shipped tools, changed to few and coarse balls, because fitting many balls takes too long for a fuzzer.
+// Writes the shipped tools with few and coarse balls, because fitting many balls takes too long for a fuzzer.
 void WriteTools(const std::filesystem::path& root) {
   const std::array<std::pair<std::regex, const char*>, 3> changes{
       {{std::regex("_gap_ratio: [0-9.]+"), "_gap_ratio: 0.5"},
@@ -96,7 +96,7 @@ std::string PngChunk(const std::string& type, const std::string& data) {
          BigEndian(static_cast<std::uint32_t>(crc));
 }
 
-/// A grey PNG of 4 × 3 samples. @param bits  of a sample
+/// A grey PNG of 4 × 3 samples. @param bits  number of bits per sample
 std::string Png(char bits) {
   const std::size_t row = static_cast<std::size_t>(4 * bits + 7) / 8;
   std::string rows;
@@ -127,7 +127,7 @@ void WriteMeshes(const std::filesystem::path& root) {
                "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf -5 -8 -4 -1\n");
   corpus.Write("box_ply", 2, PlyText(box));
   corpus.Write("box_binary_ply", 2, BinaryPly(box));
-  // kinds of files that the checks once accepted, and that then broke later code
+  // kinds of wrong meshes that the checks once accepted, and that then made later code fail
   const std::string obj = ObjText(box), ply = PlyText(box);
   const std::size_t faces = ply.find("element face"), end = ply.find("end_header\n");
   const std::string camera = "element camera 1\nproperty float view_px\nproperty list uchar short viewport\n";
@@ -191,7 +191,7 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
   constexpr std::array<const char*, 4> kNames{"Session", "Tick", "Frame", "Event"};
   for (std::uint8_t i = 0; i < 4; ++i) Corpus(root, "recording_message").Write(kNames[i], i, messages[i]);
 
-  // without the schemas' text: it takes 10 kB, and no reader uses it
+  // without the text of the schemas, which takes 10 kB and is used by no reader
   const auto path = folder.path() / "recording";
   auto writer = io::McapWriter::Create(path, "osteon", {.chunk_bytes = 2000, .compress = false});
   if (!writer) return;
@@ -208,7 +208,7 @@ void WriteRecordings(const std::filesystem::path& root, const io::test::Temporar
   corpus.Write("torn", 1, whole.substr(0, whole.size() / 2));
 }
 
-// ---- session.json: a whole one, one that a killed process left, and an empty one
+// ---- session.json: of a complete session, of a killed process, and an empty one
 
 void WriteSessions(const std::filesystem::path& root) {
   const Corpus corpus(root, "session_file");

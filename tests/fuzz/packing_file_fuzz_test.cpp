@@ -6,9 +6,9 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// Fixed-seed damage to a packing file. A damaged file is always refused, with byte and reason. If its
-// checksums are recomputed afterwards, as an attacker would do, it may be accepted, but then every value is
-// usable by an engine.
+// Fixed-seed damage to a packing file. A damaged file must be refused, and the error must name byte and
+// reason. If the checksums are recomputed after the damage, as an attacker would do, the file may be
+// accepted, but then an engine must be able to use every value.
 
 namespace osteon::simulation {
 namespace {
@@ -27,12 +27,12 @@ class PackingFuzz : public testing::Test {
     whole_ = io::test::ReadAll(path);
   }
 
-  /// The file with one to three changes: bits, cuts, insertions, large numbers, moved pieces.
+  /// The file with one to three changes: flipped bits, cuts, insertions, large numbers, or moved pieces.
   std::string Damaged() {
     std::string bytes = whole_;
     const int times = 1 + static_cast<int>(random_() % 3);
     for (int i = 0; i < times && !bytes.empty(); ++i) {
-      // header and table are small, so half of the damage goes there
+      // header and table are small, so half of the changes are made there
       const std::size_t at =
           random_() % (random_() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 256) : bytes.size());
       switch (random_() % 6) {
@@ -48,7 +48,7 @@ class PackingFuzz : public testing::Test {
         case 3:
           bytes.insert(at, 1 + random_() % 8, static_cast<char>(random_() % 256));
           break;
-        case 4: {  // a number that careless code might trust
+        case 4: {  // a number that careless code might use unchecked
           static constexpr std::uint64_t kNumbers[] = {0,          1,     0x7fffffff, 0xffffffff, 1ull << 32,
                                                        1ull << 60, ~0ull, ~0ull - 63, 0x7fc00000};
           const std::uint64_t number = kNumbers[random_() % std::size(kNumbers)];
@@ -65,7 +65,7 @@ class PackingFuzz : public testing::Test {
     return bytes;
   }
 
-  /// The file with one bit changed in the content of its sections, behind header and table.
+  /// The file with one bit changed in the content of its sections, which follow the header and the table.
   std::string WithOneBitChanged() {
     std::string bytes = whole_;
     const std::size_t at = kTableAt + 6 * 32 + random_() % (bytes.size() - kTableAt - 6 * 32);
@@ -124,7 +124,7 @@ TEST_F(PackingFuzz, AResealedFileIsRefusedOrUsable) {
     for (const Material& material : bone.materials)
       ASSERT_TRUE(material.density_kg_per_m3 > 0.0 && std::isfinite(material.density_kg_per_m3));
   }
-  // both must be frequent enough for a meaningful test
+  // the test is meaningful only if acceptance and refusal are both frequent
   EXPECT_GT(accepted, 200);
   EXPECT_GT(refused, 200);
 }

@@ -7,8 +7,8 @@
 #include "tests/io/recording/recording_samples.h"
 #include "tests/io/temporary_folder.h"
 
-// Fixed-seed damage to a recording. The reader may refuse the file with byte and reason, or accept it as
-// incomplete. It never crashes, and never takes a damaged file for complete.
+// Fixed-seed damage to a recording. The reader may refuse the file, with an error that names byte and reason,
+// or accept it as incomplete. It must not crash, and must not accept a damaged file as complete.
 
 namespace osteon::io {
 namespace {
@@ -20,7 +20,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   const test::TemporaryFolder folder;
   const auto path = folder.path() / "fuzz.mcap";
   std::string whole;
-  std::size_t summary = 0;  // where the summary section begins, behind the data [byte]
+  std::size_t summary = 0;  // offset of the summary section, which follows the data [byte]
   {
     auto recorder = Recorder::Open({.path = path, .writer_thread = false}, test::SomeSession());
     ASSERT_TRUE(recorder) << recorder.error();
@@ -30,7 +30,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
     }
     ASSERT_TRUE((*recorder)->Close());
     whole = test::ReadAll(path);
-    // read from the footer's first field, 8 + 20 bytes before the end of the file
+    // read the offset from the first field of the footer, which is 8 + 20 bytes before the end of the file
     for (std::size_t i = 0; i < 8; ++i)
       summary |= std::size_t{static_cast<unsigned char>(whole[whole.size() - 28 + i])} << (8 * i);
     ASSERT_LT(summary, whole.size());
@@ -40,7 +40,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
   int refused = 0, torn = 0, recovered = 0;
   for (int i = 0; i < 500; ++i) {
     std::string bytes = whole;
-    const std::size_t at = random() % summary;  // damage only before the summary
+    const std::size_t at = random() % summary;  // change only bytes before the summary
     switch (random() % 4) {
       case 0:
         bytes[at] = static_cast<char>(bytes[at] ^ (1 << random() % 8));
@@ -55,7 +55,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
         bytes.insert(at, 1 + random() % 4, static_cast<char>(random() % 256));
     }
     test::WriteAll(path, bytes);
-    // recovery never fails if a session is left, and its result is complete
+    // if a session can still be read, recovery must succeed and give a complete recording
     const auto recovery = RecoverRecording(path, folder.path() / "recovered.mcap");
     if (!recovery) {
       EXPECT_TRUE(recovery.error().find(": byte ") != std::string::npos ||
@@ -75,7 +75,7 @@ TEST(RecordingFuzz, DamageIsNeverTakenForACompleteRecording) {
       EXPECT_NE(recording.error().find(": byte "), std::string::npos) << recording.error();
     } else {
       ++torn;
-      // A file's CRC cannot detect damage that turns the CRC itself to 0 ("not available"); the odds are
+      // A CRC of 0 means "not available". So damage that turns a CRC to 0 is not detected; its probability is
       // 2^-30.
       ASSERT_FALSE(recording->complete) << "mutation " << i << " at byte " << at;
     }

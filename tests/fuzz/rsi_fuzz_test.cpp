@@ -6,15 +6,15 @@
 #include "io/rsi/rsi_session.h"
 #include "tests/io/rsi/rsi_oracle.h"
 
-// Fixed-seed fuzzing of the RSI messages' decoder and session: they get valid messages with bytes changed,
-// cut and repeated, and XML-like noise.
+// Fixed-seed fuzzing of the RSI messages' decoder and of the RSI session. They receive noise that looks like
+// XML, and valid messages in which bytes were changed, cut or repeated.
 
 namespace osteon::io {
 namespace {
 
 constexpr unsigned kSeed = 20240931;
 
-// Makes hostile datagrams.
+// Makes wrong and hostile datagrams.
 class Mutator {
  public:
   std::vector<std::uint8_t> Change(std::vector<std::uint8_t> bytes) {
@@ -40,7 +40,7 @@ class Mutator {
         case 5:
           if (Below(4) == 0) bytes.erase(here, bytes.end());
           break;
-        default:  // repeat a piece
+        default:  // repeats a piece
           bytes.insert(here, std::min(here, there), std::min(std::min(here, there) + 20, bytes.end()));
           break;
       }
@@ -59,7 +59,7 @@ class Mutator {
   std::mt19937 random_{kSeed};
 };
 
-// Whether expat's values have this number under this name.
+// Whether expat has read this number under this name.
 bool SameNumber(const test::XmlValues& read, const std::string& name, double value) {
   const auto found = read.find(name);
   return found != read.end() && std::stod(found->second) == value;
@@ -82,8 +82,8 @@ TEST(RsiFuzz, AcceptedValuesAreFiniteAndThoseThatExpatReads) {
     for (const auto& six :
          {m.axes_measured, m.axes_set, m.pose_measured, m.pose_set, m.external_axes, m.motor_currents})
       for (const double value : six.value_or(RsiAxes{})) ASSERT_LE(std::abs(value), 1e6);
-    // oracle: expat refuses more texts (entities, encodings), but must read the same values from those it
-    // accepts
+    // oracle: expat refuses more texts than the decoder (entities, encodings). From the texts that it
+    // accepts, it must read the same values
     std::string text = test::Text(bytes);
     while (!text.empty() && text.back() == '\0') text.pop_back();
     const auto read = test::ReadByExpat(text);

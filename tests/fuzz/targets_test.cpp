@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-// Runs each libFuzzer target over its corpus and over random changes of the corpus with a fixed seed, in a
-// normal build without clang. OSTEON_FUZZ_RUNS sets the number of changed inputs of each target.
+// Runs each libFuzzer target in a normal build without clang: on its corpus, and on random changes of the
+// corpus with a fixed seed. OSTEON_FUZZ_RUNS sets the number of changed inputs per target.
 
-// One function per target, renamed by this folder's CMakeLists.txt.
+// The entry functions of the targets. This folder's CMakeLists.txt gives each of them its own name.
 extern "C" {
 int OsteonFuzz_fri_decode(const std::uint8_t* data, std::size_t size);
 int OsteonFuzz_fri_session(const std::uint8_t* data, std::size_t size);
@@ -77,7 +77,7 @@ std::vector<Bytes> Corpus(const std::string& target) {
   return corpus;
 }
 
-// Changes inputs as libFuzzer does, but without feedback.
+// Changes inputs as libFuzzer does, but without feedback about the coverage.
 class Mutator {
  public:
   std::size_t Below(std::size_t n) { return random_() % n; }
@@ -112,7 +112,7 @@ class Mutator {
                        piece.end());
           break;
         }
-        case 6: {  // append the rest of another input
+        case 6: {  // appends the end of another input
           const Bytes& other = corpus[Below(corpus.size())];
           bytes.erase(here, bytes.end());
           const std::size_t from = Below(other.size() + 1);
@@ -132,10 +132,11 @@ class Mutator {
 
 class FuzzTarget : public testing::TestWithParam<Target> {
  protected:
-  // Runs the target on an input. If a claim does not hold, fails with the input in hexadecimal. @returns
-  // whether all hold
+  // Runs the target on an input. If a claim does not hold, the test fails and prints the input in
+  // hexadecimal. @returns whether all claims hold
   static bool HoldsClaims(const Bytes& bytes) {
-    const Bytes exact(bytes);  // exact size, so that a sanitizer detects a read beyond it
+    const Bytes exact(
+        bytes);  // a copy of exactly this size, so that a sanitizer detects a read behind its end
     try {
       GetParam().run(exact.data(), exact.size());
       return true;

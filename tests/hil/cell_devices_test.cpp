@@ -1,5 +1,5 @@
-// The clients of force sensor and spindle drive as the servo loop uses them, connected to the simulated
-// devices over CAN buses in memory, in virtual time.
+// Tests the clients of force sensor and spindle drive as the servo loop uses them. They are connected to the
+// simulated devices by CAN buses in memory, in virtual time.
 
 #include <deque>
 
@@ -12,9 +12,10 @@
 namespace osteon::hil {
 namespace {
 
-constexpr double kSpeed = 26.0;  // of the tool [rad/s]
+constexpr double kSpeed = 26.0;  // speed of the tool [rad/s]
 
-// Parameters of the clients: sensor of either make, drive on the sensor's bus or on its own.
+// Parameters of the clients: a sensor of one of the two makes, and a drive on the sensor's bus or on a bus of
+// its own.
 io::DeviceParams ClientParams(bool ati, bool two_buses) {
   io::DeviceParams wires;
   wires.buses = {{.name = "tool", .interface = "", .port = 1, .device_port = 2}};
@@ -36,7 +37,7 @@ SimulatedDeviceParams SimulatedParams(bool ati) {
   return params;
 }
 
-// Clients and simulated devices, in steps of a millisecond.
+// The clients and the simulated devices of a cell, in virtual time with steps of a millisecond.
 class Cell {
  public:
   explicit Cell(bool ati = false, bool two_buses = false, const InjectionParams& injections = {})
@@ -56,7 +57,7 @@ class Cell {
     wires_.emplace(ends, devices_, wires, injections, &now);
   }
 
-  /// @returns the readings of the loop after this time
+  /// @returns the readings that the loop gets after this time
   control::CellReadings Run(int ms) {
     for (int i = 0; i < ms; ++i) {
       now += rt::kMillisecond;
@@ -69,7 +70,7 @@ class Cell {
   }
   DeviceWires& wires() { return *wires_; }
   DriveDevice& drive() { return *devices_.drive(); }
-  /// The commands of a cell in which nothing has moved yet.
+  /// Sets the commands of a cell in which nothing has moved yet.
   void WaitForTheFirstMotion() { commands = {.motion_requested = true, .clear_faults = true}; }
 
   rt::Nanoseconds now{0};
@@ -96,8 +97,8 @@ TEST_P(BothMakesAndBusLayouts, TheReadingsAreTheSensorsLoadAndTheDrivesSpeed) {
   const control::CellReadings readings = cell.Run(1000);
   EXPECT_TRUE(readings.force.trusted);
   EXPECT_LE(cell.now - readings.force.stamp, 2 * rt::kMillisecond);
-  // the tolerances cover both makes' resolution: 1/50 N and 1/2000 N·m for Robotous, some thousand counts of
-  // the range for ATI
+  // the tolerances cover the resolution of both makes: 1/50 N and 1/2000 N·m for Robotous, some thousand
+  // counts of the range for ATI
   EXPECT_LT((Vector3(readings.force.F_S.f) - cell.load_S.f).norm(), 0.1);
   EXPECT_LT((Vector3(readings.force.F_S.t) - cell.load_S.t).norm(), 0.02);
   EXPECT_TRUE(readings.spindle.ready);
@@ -134,8 +135,8 @@ TEST(CellDevices, AQuickStopBrakesTheSpindleFasterThanItsRamp) {
   EXPECT_LT(quick, ramped);
 }
 
-// A quick stop of one millisecond, as of a loop that recovers at once: the spindle still comes to rest before
-// it turns again.
+// The loop commands a quick stop for one millisecond only, as if it recovered at once. The spindle must still
+// come to rest before it turns again.
 TEST(CellDevices, AQuickStopLastsUntilStandstill) {
   Cell cell;
   cell.commands.spindle_rad_per_s = kSpeed;
@@ -169,8 +170,8 @@ TEST(CellDevices, ADriveFaultStaysUntilARecoveryClearsIt) {
   EXPECT_LT(readings.spindle.speed_rad_per_s, 0.5) << "and does not start by itself";
 }
 
-// Before the first motion the client resets a drive's fault (controlword bit 7), so nobody has to do it by
-// hand.
+// Before the first motion, the client itself resets a fault of the drive (controlword bit 7), so that nobody
+// has to reset it by hand.
 TEST(CellDevices, ADriveThatBootsInFaultIsResetOnce) {
   Cell cell;
   cell.drive().SetBootError(0x3220);
@@ -211,7 +212,7 @@ TEST(CellDevices, ADriveThatStaysInFaultIsResetOnlyThreeTimes) {
   cell.commands.clear_faults = false;
   cell.Run(100);
   cell.drive().ClearFault();
-  cell.WaitForTheFirstMotion();  // as in a recovery, where the reset may be tried again
+  cell.WaitForTheFirstMotion();  // as in a recovery, in which the reset may be tried once more
   EXPECT_FALSE(cell.Run(1000).spindle.fault);
 }
 
@@ -280,7 +281,7 @@ TEST(CellDevices, AMotionRequestIsRepeatedUntilThePlcGrantsIt) {
 
 TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
   io::DeviceParams wires = ClientParams(true, false);
-  wires.drive->node = 5;  // its RPDO1 has the identifier 0x205, which an ATI sensor uses as well
+  wires.drive->node = 5;  // the RPDO1 of node 5 has the identifier 0x205, which an ATI sensor uses as well
   const auto made = io::DeviceClients::Make(wires);
   ASSERT_FALSE(made);
   EXPECT_NE(made.error().find("node 5"), std::string::npos) << made.error();
@@ -290,7 +291,7 @@ TEST(CellDevices, DevicesOfOneBusThatShareIdentifiersAreRefused) {
 }
 
 TEST(CellDevices, DevicesThatAreSwitchedOnLateAreFound) {
-  // both are silent for the first two seconds, longer than the clients try
+  // sensor and drive are silent for the first two seconds, which is longer than the clients try
   const InjectionParams silence{
       .injections = {{.wire = Wire::kForceSensor, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}},
                      {.wire = Wire::kDrive, .from_s = -1.0, .to_s = 2.0, .faults = {.silence = true}}}};

@@ -1,5 +1,5 @@
-// Simulated arm, guard and controller, connected by real sockets: if guard or controller fails, the arm comes
-// to rest.
+// Tests simulated arm, guard and controller, which are connected by real sockets. If the guard or the
+// controller fails, the arm must come to rest.
 
 #include <atomic>
 #include <functional>
@@ -19,7 +19,7 @@ namespace {
 using control::SessionState;
 using safety::GuardFinding;
 
-// more than a real arm's 5, since a busy machine may delay a thread for long
+// more than the 5 of a real arm, because a busy machine may delay a thread for long
 constexpr int kLostInARow = 300;
 
 // A simulated arm that tolerates many late answers.
@@ -34,7 +34,7 @@ SimulatedCell PatientCell() {
   return SimulatedCell(params, MakeReamingScript({}));
 }
 
-// The guard's limits: the arm's own, and times that a busy machine keeps.
+// The guard's limits: the arm's own limits, and time limits that a busy machine can keep.
 safety::GuardParams Limits() {
   safety::GuardParams params{.arm = kinematics::ChainFrom(kinematics::Iiwa14())};
   params.answer_age_s = 0.2;
@@ -42,7 +42,7 @@ safety::GuardParams Limits() {
   return params;
 }
 
-// Repeats an action in its own thread until End.
+// Repeats an action in its own thread until End is called.
 class RepeatingThread {
  public:
   explicit RepeatingThread(std::function<void()> step)
@@ -80,7 +80,7 @@ class GuardLine : public testing::Test {
     ASSERT_TRUE(Until([this] { return moved_.load() > 200; })) << "the arm follows";
   }
 
-  // One cycle of the controller: A1 moves slowly, at 0.05 rad/s; after sends_illegal_command_ is set, A4
+  // Runs one cycle of the controller: A1 moves slowly, at 0.05 rad/s. Once sends_illegal_command_ is set, A4
   // jumps by 0.3 rad.
   void StepController() {
     if (link_->Receive(state_, rt::MonotonicNow() + 20 * rt::kMillisecond) != control::ReceiveResult::kOk)
@@ -94,7 +94,7 @@ class GuardLine : public testing::Test {
     (void)link_->Send(command_);
   }
 
-  // Waits until the condition holds. @returns false after 20 s
+  // Waits until the condition holds. @returns false if it does not hold within 20 s
   static bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
       if (holds()) return true;
@@ -103,7 +103,7 @@ class GuardLine : public testing::Test {
     return false;
   }
   CellState Arm() { return cell_->statistics().cell; }
-  // Expects that the arm ends commanding because of missing answers, and then rests.
+  // Expects that the arm leaves commanding because answers are missing, and then rests.
   void ExpectArmAtRest() {
     ASSERT_TRUE(Until([this] { return Arm().session < SessionState::kCommandingWait; }));
     EXPECT_EQ(Arm().stop.reason, StopReason::kLostInARow) << "nothing else reached it";

@@ -1,5 +1,5 @@
-// The servo loop's impedance law on a simulated arm with masses, in Cartesian and in joint impedance control:
-// the rendered force equals the hand's force, and limits and stops hold.
+// Tests the impedance law of the servo loop on a simulated arm with masses, in Cartesian and in joint
+// impedance control. The rendered force must equal the hand's force, and limits and stops must hold.
 
 #include <cmath>
 #include <string>
@@ -41,7 +41,7 @@ kinematics::ChainParams<7> Iiwa() {
       {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
-// Parameters of a loop with the impedance law, and a workspace whose limits are out of reach.
+// Parameters of a loop with the impedance law. The limits of its workspace are out of reach.
 control::ServoParams Params() {
   control::ServoParams params;
   params.law = control::Law::kImpedance;
@@ -54,8 +54,8 @@ control::ServoParams Params() {
   return params;
 }
 
-// The servo loop and a simulated arm with masses, in virtual time. A plane of bone is 2 mm ahead of the tool,
-// and a hand pushes the arm.
+// The servo loop and a simulated arm with masses, in virtual time. A plane of bone lies 2 mm ahead of the
+// tool, and a hand pushes the arm.
 class ImpedanceBench {
  public:
   explicit ImpedanceBench(const control::ServoParams& params = Params(),
@@ -75,8 +75,8 @@ class ImpedanceBench {
     plane_W = Tool().translation() + 0.002 * feed_W;
   }
 
-  // The arm's own impedance has little stiffness and therefore little damping, so that the loop's overlay has
-  // to hold the tool.
+  // Parameters of an arm whose own impedance has little stiffness and thus little damping. So the loop's
+  // overlay has to hold the tool.
   static DynamicArmParams Dynamics(int dead_cycles) {
     return {.dead_cycles = dead_cycles,
             .stiffness_Nm_per_rad = JointVector::Constant(50.0),
@@ -117,7 +117,7 @@ class ImpedanceBench {
   }
 
   [[nodiscard]] Pose Tool() const { return lbr_.FlangePose(arm.q()) * FlangeToTool(); }
-  // Depth of the tool's apex in the bone [m].
+  // Depth of the tool's apex below the bone's plane [m].
   [[nodiscard]] double Depth() const { return feed_W.dot(Tool().translation() - plane_W); }
 
  private:
@@ -145,8 +145,8 @@ TEST(ImpedanceLoop, AWallsSpringCarriesTheHandsForceWithEitherOverlay) {
     bench.Run(4000);
     ASSERT_FALSE(bench.loop.faults().Any()) << bench.loop.faults().bits();
     const control::TickRecord record = bench.Run(1);
-    // The equilibrium of the arm's own spring follows the measured position, so the coupling alone carries
-    // the hand's force, within 1 %.
+    // The arm's own spring has its equilibrium at the measured position. So the coupling alone must carry the
+    // hand's force, within 1 %.
     EXPECT_NEAR(Vector3(record.F_coupling_T_W.f).dot(-bench.feed_W), 40.0, 0.4);
     EXPECT_NEAR(bench.Depth(), 40.0 / 10e3, 4e-5);
     EXPECT_LT(bench.arm.qd().norm(), 1e-3) << "at rest: it does not buzz";
@@ -181,8 +181,8 @@ TEST(ImpedanceLoop, BrakesBeyondTheSpeedLimitAndStopsAtOneAndAHalfTimes) {
   bench.push_W_N = -8.0 * bench.feed_W;
   bench.Run(600);
   EXPECT_FALSE(bench.loop.faults().Any());
-  // The force balance is 8 N = 10 v + 250 (v - 0.05) + the arm's own losses. Without losses, v would be
-  // 0.079 m/s, above the 0.075 m/s (1.5 times the limit) at which the cell stops.
+  // The force balance at the speed v is 8 N = 10 v + 250 (v - 0.05) + the arm's own losses. Without losses, v
+  // would be 0.079 m/s. The cell stops at 1.5 times the limit, 0.075 m/s.
   EXPECT_LT(bench.loop.statistics().peak_tool_speed_m_per_s, 0.075);
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kToolSpeed).ticks, 100u);
 
@@ -190,7 +190,7 @@ TEST(ImpedanceLoop, BrakesBeyondTheSpeedLimitAndStopsAtOneAndAHalfTimes) {
   bench.Run(400);
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kToolSpeed));
   bench.push_W_N.setZero();
-  bench.Run(6000);  // a soft arm swings for a while
+  bench.Run(6000);  // a soft arm oscillates for some seconds
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
@@ -200,7 +200,7 @@ TEST(ImpedanceLoop, AfterAStopNoWrenchIsSentAndTheArmRests) {
   bench.Run(200);
   bench.push_W_N.setZero();
   bench.loop.RequestStop();
-  bench.Run(4000);  // the simulated arm's null space is soft and swings on
+  bench.Run(4000);  // the simulated arm is soft in its null space, so the elbow still oscillates
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
   EXPECT_EQ(Vector3(bench.command.F.f).norm(), 0.0);
   const Vector3 before = bench.Tool().translation();
@@ -209,8 +209,8 @@ TEST(ImpedanceLoop, AfterAStopNoWrenchIsSentAndTheArmRests) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// With four cycles of dead time, a brake with the full gain of 250 N·s/m would drive the wrist to four times
-// its initial speed, and the arm would keep swinging.
+// With four cycles of dead time, a brake with its full gain of 250 N·s/m would accelerate the wrist to four
+// times its initial speed, and the arm would keep oscillating.
 TEST(ImpedanceLoop, AStopDoesNotShakeAToolThatNobodyHolds) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode, 4);
@@ -274,7 +274,7 @@ TEST(ImpedanceLoop, ASilentSimulationStopsTheLoop) {
   EXPECT_EQ(Vector3(bench.command.F.f).norm(), 0.0);
 }
 
-// In one tick the measured position of a joint is NaN.
+// For one tick the measured position of a joint is NaN.
 TEST(ImpedanceLoop, APositionThatIsNotANumberCausesAStopWithoutWrench) {
   for (const CommandMode mode : {CommandMode::kWrench, CommandMode::kTorque}) {
     ImpedanceBench bench(Params(), mode);

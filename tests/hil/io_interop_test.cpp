@@ -1,5 +1,5 @@
-// FRI between the simulated arm, which uses libprotobuf, and the product's client with its own codec: two
-// implementations of one protocol must agree.
+// Tests FRI between the simulated arm, which uses libprotobuf, and the product's client, which has its own
+// codec. Both implementations of the protocol must agree.
 
 #include <gtest/gtest.h>
 
@@ -54,17 +54,17 @@ TEST(FriInterop, SessionReachesActiveAndEveryValueArrives) {
   const FriCounters& n = cell.state().counters;
   EXPECT_EQ(n.answered, n.sent - 1);
   EXPECT_EQ(n.lost + n.stale + n.duplicate + n.malformed + n.incomplete, 0u);
-  EXPECT_NEAR(arm.q_meas[0], command.q[0], 5e-3);  // 0.1 rad/s behind a lag of about 25 ms
+  EXPECT_NEAR(arm.q_meas[0], command.q[0], 5e-3);  // the lag of about 25 ms at 0.1 rad/s gives 2.5 mrad
   EXPECT_GT(arm.q_meas[0], 0.11);
 }
 
-// A cell and a client in lockstep. While the session holds the arm, a loop that follows commands the arm's
-// present joint angles; the test may then change `command`.
+// A cell and a client in lockstep. While the session holds the arm, the command follows the arm's present
+// joint angles. Afterwards the test may change `command`.
 struct ArmAndClient {
   ArmAndClient(const SimulatedCellParams& params, const io::FriSessionParams& client)
       : cell(params, MakeReamingScript({})), session(client) {}
 
-  // Runs one cycle: a message and its answer. True if the client accepted the message.
+  // Runs one cycle: a message and its answer. Returns whether the client has accepted the message.
   bool Step() {
     const rt::Nanoseconds now = ++cycle * rt::kMillisecond;
     const auto message = cell.Step(now);
@@ -75,7 +75,7 @@ struct ArmAndClient {
     if (!answer.empty()) cell.Receive(answer);
     return accepted;
   }
-  // False if the state is not reached within 5000 cycles.
+  // Runs cycles until this state is reached. Returns false if it is not reached within 5000 cycles.
   bool StepUntil(SessionState state) {
     for (int i = 0; i < 5000 && arm.session != state; ++i) Step();
     return arm.session == state;
@@ -85,7 +85,7 @@ struct ArmAndClient {
   io::FriSession session;
   control::ArmState arm;
   control::ArmCommand command;
-  bool follow{true};  // false: the loop keeps its command while the session holds the arm
+  bool follow{true};  // false: the command stays unchanged while the session holds the arm
   PlainWrench F;
   control::JointArray tau{};
   rt::Nanoseconds cycle{0};
@@ -136,7 +136,7 @@ TEST(FriInterop, ArmAndClientEachDetectTheOthersVersion) {
       EXPECT_EQ(pair.arm.other_version, 100u);
       EXPECT_EQ(pair.session.other_family(), io::FamilyOf(arm));
       EXPECT_NE(pair.session.Diagnosis().find(Describe(io::FamilyOf(arm))), std::string::npos);
-      // a client of the other framing that answers nevertheless
+      // a client whose version has the other framing, and which answers nevertheless
       FriServer server(params.fri, params.arm.limits, kinematics::JointVector::Constant(0.1));
       server.Open();
       (void)server.BeginCycle({}, 1);
@@ -150,7 +150,7 @@ TEST(FriInterop, ArmAndClientEachDetectTheOthersVersion) {
     }
 }
 
-// The torques are unequal, so a wrong order (XYZ or ZYX) on one side shows.
+// The torques differ, so a wrong order of the axes (XYZ or ZYX) on one side would be noticed.
 TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
   for (const io::FriVersion version : io::kFriVersions)
     for (const bool zyx : {true, false}) {
@@ -184,8 +184,8 @@ TEST(FriInterop, WrenchAndTorqueArriveInEveryVersion) {
   EXPECT_EQ(pair.cell.server().tau_commanded()[6], 7.0);
 }
 
-// Six lost answers end the commanding, and the arm asks for it again. A loop that did not notice goes on with
-// its old commands: they must not move the arm until the loop starts anew at the arm's pose.
+// Six lost answers end the commanding, and the arm requests it again. A loop that has not noticed this still
+// sends its old commands. They must not move the arm until the loop starts again at the arm's pose.
 TEST(FriInterop, AfterReEntryTheArmIsHeldUntilTheLoopStartsAtItsPose) {
   SimulatedCellParams params = CellParams();
   params.fri.request_again_after_loss = true;
@@ -195,7 +195,7 @@ TEST(FriInterop, AfterReEntryTheArmIsHeldUntilTheLoopStartsAtItsPose) {
     pair.Step();
     pair.command.q[0] += 1e-4;
   }
-  pair.follow = false;  // the loop continues as if nothing had happened
+  pair.follow = false;  // the loop continues as if the arm had not ended the commanding
   for (int i = 0; i < 6; ++i) (void)pair.cell.Step(++pair.cycle * rt::kMillisecond);
   ASSERT_EQ(pair.cell.state().stop.reason, StopReason::kLostInARow);
   pair.Step();
@@ -235,7 +235,7 @@ TEST(FriInterop, TheClientReportsASafetyStopAndRecovers) {
   EXPECT_EQ(pair.arm.activation, 2u);
 }
 
-// Three arms of three versions, each on its own UDP port, in real time.
+// Three arms with three versions of FRI run in real time, each on its own UDP port.
 TEST(FriInterop, SeveralArmsRunSideBySide) {
   constexpr std::array kVersions{io::FriVersion::k1_11, io::FriVersion::k2_5, io::FriVersion::k2_7};
   std::vector<std::unique_ptr<io::FriLink>> links;
@@ -273,7 +273,8 @@ TEST(FriInterop, SeveralArmsRunSideBySide) {
 }
 
 TEST(FriInterop, LinkReachesActiveOverUdp) {
-  SimulatedCellParams params = CellParams();  // no delay of a busy machine may end the session
+  SimulatedCellParams params =
+      CellParams();  // with these parameters, a delay by a busy machine does not end the session
   params.fri.quality = {.good_max_lost_per_s = 1000000,
                         .end_after_lost_in_a_row = 1000000,
                         .end_after_lost_per_s = 1000000,

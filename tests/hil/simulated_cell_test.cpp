@@ -7,7 +7,8 @@
 
 #include "test_client.h"
 
-// Tests of a simulated cell with an LBR arm in virtual time: hand, force sensor, power and the arm's motion.
+// Tests a simulated cell with an LBR arm in virtual time: the hand, the force sensor, the power, and the
+// motion of the arm.
 
 namespace osteon::hil {
 namespace {
@@ -45,9 +46,9 @@ HandScript ScriptBelow(const SimulatedCellParams& params, double seconds) {
   return MakeReamingScript({.X_WC = X_WC, .seconds = seconds});
 }
 
-// A client with a small admittance controller: M V' + D V = F_hand + F_wall, joints by the closed-form
-// inverse. The wall is a spring-damper (20 kN/m, 200 N s/m) below height 0 on the cup's axis, acting on the
-// commanded pose.
+// A client with a small admittance controller: M V' + D V = F_hand + F_wall. The joints follow from the
+// closed-form inverse kinematics. The wall is a spring and damper (20 kN/m, 200 N s/m) below the height 0 on
+// the cup's axis, and acts on the commanded pose.
 class AdmittanceClient {
  public:
   AdmittanceClient(const SimulatedCellParams& params, const HandScript& script)
@@ -58,8 +59,8 @@ class AdmittanceClient {
         X_WT_(ToolPose(params, q_)),
         arm_angle_(arm_.ArmAngle(q_)) {}
 
-  // The answer to a message: until the session is active the mirrored joints, then one period of the
-  // controller under the hand's wrench.
+  // The answer to a message. Until the session is active, it repeats the joints of the message. Then it
+  // contains the result of one period of the controller under the hand's wrench.
   Bytes Answer(std::span<const std::uint8_t> message, const Wrench& F_hand_T_W) {
     const auto state = static_cast<SessionState>(UintAt(message, {4, 1}));
     if (state != SessionState::kCommandingActive) return mirror_.Answer(message);
@@ -80,7 +81,7 @@ class AdmittanceClient {
   }
 
   double wall_N{0.0};  // the wall's force in the last cycle
-  bool reached{true};  // the inverse kinematics had a solution in every cycle
+  bool reached{true};  // the inverse kinematics has had a solution in every cycle
 
  private:
   SimulatedCellParams params_;
@@ -94,13 +95,13 @@ class AdmittanceClient {
 };
 
 struct Outcome {
-  Bytes bytes;  // everything the cell sent
+  Bytes bytes;  // all bytes that the cell has sent
   CellState end;
   double peak_axial_N{0.0}, wall_at_push_N{0.0}, end_height_m{0.0};
   bool reached{true};
 };
 
-// Runs the cell and the admittance client until a script of that length is done.
+// Runs the cell and the admittance client until the script, which lasts this long, is done.
 Outcome RunCell(double seconds) {
   const SimulatedCellParams params = CellParams();
   const HandScript script = ScriptBelow(params, seconds);
@@ -122,8 +123,8 @@ Outcome RunCell(double seconds) {
   return run;
 }
 
-// The closed loop of session, hand, sensor, client and arm. The hand pushes with 120 N, so the wall must
-// carry 120 N.
+// Tests the closed loop of session, hand, sensor, client and arm. The hand pushes with 120 N, so the wall
+// must carry 120 N.
 TEST(SimulatedCell, AHandsPushReachesTheWallThroughAnAdmittanceClient) {
   const Outcome run = RunCell(10.0);
   EXPECT_TRUE(run.end.script_done);
@@ -132,7 +133,7 @@ TEST(SimulatedCell, AHandsPushReachesTheWallThroughAnAdmittanceClient) {
   EXPECT_EQ(run.end.counters.lost, 0u);
   EXPECT_LE(run.peak_axial_N, 120.0 + 1e-9);
   EXPECT_NEAR(run.wall_at_push_N, 120.0, 0.5);
-  EXPECT_NEAR(run.end_height_m, 0.030, 1e-3);  // retracted
+  EXPECT_NEAR(run.end_height_m, 0.030, 1e-3);  // the hand has retracted the tool
 }
 
 TEST(SimulatedCell, TwoRunsGiveTheSameBytes) {
@@ -159,14 +160,15 @@ TEST(SimulatedCell, TheHandHoldsOnlyWhileTheArmIsCommanded) {
     cell.Receive(client.Answer(message));
   }
   ASSERT_GT(active_cycles, 500);
-  EXPECT_GT(Vector3(cell.state().F_hand_T_W.f).norm(), 1.0);  // the arm stands still, the target leaves
+  EXPECT_GT(Vector3(cell.state().F_hand_T_W.f).norm(),
+            1.0);  // the arm stands still while the hand's target moves away
   for (int k = 0; k < 6; ++k) (void)cell.Step((1500 + k) * rt::kMillisecond);
   EXPECT_EQ(cell.state().stop.reason, StopReason::kLostInARow);
   EXPECT_EQ(Vector3(cell.state().F_hand_T_W.f).norm(), 0.0);
 }
 
-// The cell computes the sensor's load from the hand's wrench, and the controller computes the hand's wrench
-// from the load. The two codes are independent; the poses of tool and sensor are general.
+// The cell computes the sensor's load from the hand's wrench; the controller computes the hand's wrench from
+// the load. Their code is independent, and the poses of tool and sensor are general.
 TEST(SimulatedCell, TheControllerRecoversTheHandWrenchFromTheSensorsLoad) {
   SimulatedCellParams params = CellParams();
   Pose X_FS = Pose::Identity();
@@ -213,14 +215,14 @@ TEST(SimulatedCell, TheDrivesStopWithoutPowerAndReturnWithIt) {
   EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff);
 }
 
-// A session that does not become GOOD within ten seconds closes. If no client ever answered, the program is
-// started again; if a client answered too rarely, it is not.
+// A session whose quality is not GOOD within ten seconds is closed. If no client has ever answered, the
+// program is started again. If a client has answered too rarely, it is not.
 TEST(SimulatedCell, RestartsASessionUntilAClientAnswers) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));
   TestClient client;
   int now_ms = 0;
-  cell.SetPower(false);  // as with a PLC that nobody has asked for power
+  cell.SetPower(false);  // as with a PLC from which nobody has requested power
   for (int k = 0; k < 25'000; ++k) cell.Step(++now_ms * rt::kMillisecond);
   EXPECT_EQ(cell.state().session, SessionState::kMonitoringWait);
   EXPECT_EQ(cell.state().stop.reason, StopReason::kPowerOff) << "started again, still without power";
@@ -243,8 +245,9 @@ TEST(SimulatedCell, RestartsASessionUntilAClientAnswers) {
   EXPECT_EQ(other.state().stop.reason, StopReason::kQualityTimeout);
 }
 
-// The external torque of joint i must equal the work of the hand's wrench for a unit turn of joint i, taken
-// from differences of the forward kinematics. The wrench of a step acts in the next step.
+// The external torque of joint i must equal the work of the hand's wrench for a unit rotation of joint i. The
+// work is computed from differences of the forward kinematics. The wrench that is computed in one step acts
+// in the next step.
 TEST(SimulatedCell, ExternalTorqueEqualsTheHandsVirtualWork) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 1.0));
@@ -284,13 +287,13 @@ TEST(SimulatedCell, MeasuredToolPoseFollowsFromTheJointsAndLagsTheCommand) {
   ASSERT_EQ(s.session, SessionState::kCommandingActive);
   const Pose X_WT = ToolPose(params, Eigen::Map<const JointVector>(s.q_meas.data()));
   EXPECT_TRUE(Pose(s.X_WT_meas).isApprox(X_WT, 1e-12));
-  // At 0.2 rad/s the lag is the servo's 2 z / w = 21.2 ms, 3 ms of dead time and 0.5 ms of hold, less 1 ms:
-  // the state shown is one period after the command.
+  // At 0.2 rad/s the lag is the sum of the servo's 2 z / w = 21.2 ms, 3 ms of dead time and 0.5 ms of
+  // sample-and-hold. 1 ms is subtracted, because the state is shown one period after the command.
   EXPECT_NEAR(s.q_cmd[0] - s.q_meas[0], 0.2 * (0.02122 + 0.0030 + 0.0005 - 0.001), 1e-5);
 }
 
-// Central difference over 2 ms, with all joints moving. Its error is T^2/6 of the jerk, which is about 1
-// m/s^3 once the start's transient has died away.
+// Compares the velocity with a central difference over 2 ms, while all joints move. The error is T^2/6 of the
+// jerk, which is about 1 m/s^3 once the transient of the start has died out.
 TEST(SimulatedCell, MeasuredToolVelocityIsTheDerivativeOfItsPose) {
   const SimulatedCellParams params = CellParams();
   SimulatedCell cell(params, ScriptBelow(params, 10.0));

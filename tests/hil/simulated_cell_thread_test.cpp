@@ -7,7 +7,7 @@
 #include "test_client.h"
 #include "tests/io/net/loopback_socket.h"
 
-// Tests of a simulated cell in its own thread, over UDP in real time.
+// Tests a simulated cell in a thread of its own, over UDP in real time.
 
 namespace osteon::hil {
 namespace {
@@ -17,11 +17,12 @@ using control::SessionState;
 // The UDP socket of a client on the loopback interface.
 class ClientSocket : public io::test::LoopbackSocket {
  public:
-  // The oldest datagram; empty after 2 s without one.
+  // Receives the oldest waiting datagram; empty if none arrives within 2 s.
   [[nodiscard]] Bytes Receive() const { return LoopbackSocket::Receive(2000).value_or(Bytes{}); }
 };
 
-// A cell whose session no delay of a busy machine ends: these tests check the datagrams, not their times.
+// A cell whose session does not end because a busy machine delays it. These tests check the datagrams, not
+// their times.
 SimulatedCell PatientCell(SessionEnd session_end = SessionEnd::kSilence) {
   SimulatedCellParams params;
   params.fri.session_end = session_end;
@@ -44,7 +45,7 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
     ASSERT_FALSE(message.empty());
     seen = static_cast<SessionState>(UintAt(message, {4, 1}));
     socket.SendTo(cell.port(), client.Answer(message));
-    stranger.SendTo(cell.port(), Bytes{1, 2, 3});  // from another port: must not arrive
+    stranger.SendTo(cell.port(), Bytes{1, 2, 3});  // comes from another port, so it must not reach the cell
   }
   EXPECT_EQ(seen, SessionState::kCommandingActive);
   EXPECT_GT(cell.Load().stamp, 0);
@@ -56,8 +57,8 @@ TEST(SimulatedCellThread, ReachesCommandingActiveOverUdp) {
   EXPECT_EQ(s.cell.stop.reason, StopReason::kNone);
 }
 
-// The last session states that a client sees after Stop(): with kSilence the messages just cease, with
-// kIdleMessages the arm announces READY, then IDLE.
+// The last session states that a client receives after Stop(). With kSilence the messages only stop; with
+// kIdleMessages the arm first reports READY, then IDLE.
 TEST(SimulatedCellThread, StopEndsTheSessionSilentlyOrWithIdleMessages) {
   for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
     ClientSocket socket;
@@ -70,7 +71,7 @@ TEST(SimulatedCellThread, StopEndsTheSessionSilentlyOrWithIdleMessages) {
     };
     for (int i = 0; i < 5000 && seen != SessionState::kCommandingActive; ++i) answer(socket.Receive());
     ASSERT_EQ(seen, SessionState::kCommandingActive);
-    cell.Stop();  // earlier messages wait in the socket
+    cell.Stop();  // messages that were sent before still wait in the socket
     std::vector<SessionState> states;
     for (auto message = socket.LoopbackSocket::Receive(0); message;
          message = socket.LoopbackSocket::Receive(0)) {
@@ -91,7 +92,8 @@ TEST(SimulatedCellThread, MalformedDatagramsOfTheClientAreCounted) {
   SimulatedCellThread cell({.client_port = socket.port()}, PatientCell());
   for (int i = 0; i < 20; ++i) {
     ASSERT_FALSE(socket.Receive().empty());
-    socket.SendTo(cell.port(), Bytes(static_cast<std::size_t>(100 * i), 0xff));  // from nothing to oversized
+    socket.SendTo(cell.port(), Bytes(static_cast<std::size_t>(100 * i),
+                                     0xff));  // sizes from 0 to more than the largest datagram
   }
   while (!socket.Receive().empty() && cell.statistics().cell.counters.malformed < 20) {
   }

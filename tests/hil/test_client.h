@@ -14,13 +14,14 @@
 #include "tests/kinematics/iiwa14.h"
 
 // An FRI client for the tests. It encodes and decodes the protobuf messages byte by byte from the table of
-// field numbers, so that it checks the simulated arm's libprotobuf schema instead of sharing it.
+// field numbers. It does not use the schema of the simulated arm's libprotobuf, so that it can check that
+// schema.
 
 namespace osteon::hil {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// PutVarint appends a number, PutUint, PutBytes and PutDouble a field in protobuf's encoding.
+// In protobuf's encoding, PutVarint appends a number; PutUint, PutBytes and PutDouble append a field.
 
 inline void PutVarint(Bytes& out, std::uint64_t v) {
   for (; v >= 0x80; v >>= 7) out.push_back(static_cast<std::uint8_t>(v | 0x80));
@@ -45,7 +46,8 @@ inline void PutDouble(Bytes& out, unsigned field, double v) {
 }
 
 /// A command message with joint angles q [rad]; without joints if q is empty.
-/// @param reflected  the sequence number of the message that it answers  @param id  the message identifier
+/// @param reflected  sequence number of the message that the command answers
+/// @param id  message identifier
 inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
                      std::uint32_t id = 0x34001) {
   Bytes header, message;
@@ -62,11 +64,11 @@ inline Bytes Command(std::uint32_t sequence, std::uint32_t reflected, const std:
   return message;
 }
 
-/// One field of a protobuf message: its number and wire type (0 varint, 1 fixed64, 2 length-delimited).
+/// One field of a protobuf message: its number and its wire type (0 varint, 1 fixed64, 2 length-delimited).
 struct Field {
   unsigned number{0}, type{0};
-  std::uint64_t value{0};                 // of a varint or a fixed64
-  std::span<const std::uint8_t> content;  // of a length-delimited field
+  std::uint64_t value{0};                 // value of a varint or a fixed64
+  std::span<const std::uint8_t> content;  // content of a length-delimited field
 };
 
 /// The fields of a message in their order; nullopt if the bytes are no protobuf message.
@@ -108,7 +110,7 @@ inline std::optional<std::vector<Field>> Fields(std::span<const std::uint8_t> by
   return fields;
 }
 
-/// The fields at a path of field numbers: {3, 1} gives all fields 1 inside the message's first field 3. Empty
+/// All fields at a path of field numbers: {3, 1} gives all fields 1 within the message's first field 3. Empty
 /// if there are none.
 inline std::vector<Field> At(std::span<const std::uint8_t> message, std::initializer_list<unsigned> path) {
   std::vector<Field> found;
@@ -125,7 +127,7 @@ inline std::vector<Field> At(std::span<const std::uint8_t> message, std::initial
   return found;
 }
 
-/// The first number at a path; all bits set if there is none.
+/// The first number at a path; if there is none, a number with all bits set.
 inline std::uint64_t UintAt(std::span<const std::uint8_t> message, std::initializer_list<unsigned> path) {
   const auto found = At(message, path);
   return found.empty() ? ~0ull : found.front().value;
@@ -139,8 +141,8 @@ inline std::vector<double> DoublesAt(std::span<const std::uint8_t> message,
   return values;
 }
 
-/// A command message with joints and a wrench (six elements, packed) or torques (seven, unpacked); empty
-/// vectors are left out.
+/// A command message with joints, and with a wrench (six elements, packed) or torques (seven, unpacked).
+/// Empty vectors are left out.
 inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, const std::vector<double>& q,
                             const std::vector<double>& wrench, const std::vector<double>& tau) {
   Bytes message = Command(sequence, reflected, {}), data, part;
@@ -159,9 +161,9 @@ inline Bytes OverlayCommand(std::uint32_t sequence, std::uint32_t reflected, con
   return message;
 }
 
-/// A client of FRI 1.15. It sends back the measured joints, or while commanding the interpolator's joints. In
-/// COMMANDING_ACTIVE it adds `offset` [rad]. While commanding it also sends wrench or torques, if they are
-/// set.
+/// A client of FRI 1.15. It repeats the measured joints, or while commanding the interpolator's joints. In
+/// COMMANDING_ACTIVE it adds `offset` [rad]. While commanding it also sends the wrench or the torques, if
+/// they are set.
 struct TestClient {
   std::uint32_t sequence{0};
   std::array<double, 7> offset{};

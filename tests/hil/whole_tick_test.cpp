@@ -1,4 +1,5 @@
-// Requirement: no allocation and no lock in the tick, from the datagram's arrival to the record in the ring.
+// Tests the requirement that a tick neither allocates memory nor takes a lock, from the arrival of the
+// datagram to the record in the ring.
 
 #include <algorithm>
 #include <array>
@@ -22,19 +23,19 @@ namespace {
 
 using control::Phase;
 
-// The simulated arm's socket, connected to the client's port.
+// The socket of the simulated arm, connected to the client's port.
 class ArmSocket : public io::test::LoopbackSocket {
  public:
   explicit ArmSocket(std::uint16_t client_port) { Connect(client_port); }
 
-  // Gives the answers that wait in the socket to the cell.
+  // Passes the answers that wait in the socket to the cell.
   void DeliverAnswers(SimulatedCell& cell) const {
     while (const auto answer = Receive()) cell.Receive(*answer);
   }
 };
 
-// Parameters of a cell with a cup directly below the tool, and of the servo loop for it. The test adds the
-// cup's bottom to the contact model as a plane.
+// Parameters of a cell with a cup directly below the tool, and of the servo loop for this cell. The test adds
+// the cup's bottom as a plane to the contact model.
 struct CellSetup {
   CellSetup() {
     params.arm = kinematics::Iiwa14();
@@ -90,8 +91,9 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
   std::array<int, 4> ticks_in_phase{};
   double peak_N = 0.0;
   for (int tick = 0; tick < 3500 && loop.phase() != Phase::kStopped; ++tick) {
-    // arm and simulation, which may allocate
-    const rt::Nanoseconds now = (tick + 1) * rt::kMillisecond;  // virtual: the test does not wait for a clock
+    // first the arm and the simulation, which may allocate
+    const rt::Nanoseconds now =
+        (tick + 1) * rt::kMillisecond;  // virtual time: the test does not wait for a clock
     arm.Send(cell.Step(now));
     sensor.Store(cell.force());
     const simulation::ToolCommand wanted = commands.Load();
@@ -107,7 +109,7 @@ TEST_P(WholeTick, NeitherAllocatesNorLocksFromDatagramToRecord) {
     }
     if (tick == 3000) loop.RequestStop();
 
-    // the tick
+    // then the tick, which must not allocate
     rt::CheckedNoAllocScope no_alloc;
     const control::ReceiveResult received = (*link)->Receive(state, rt::MonotonicNow() + rt::kSecond);
     const control::TickRecord record = loop.Tick({.state = state,
@@ -140,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(Families, WholeTick,
                          ::testing::Values(io::FriVersion::k1_15, io::FriVersion::k2_5,
                                            io::FriVersion::k2_7));
 
-// The FRI link without the servo loop, in every version and command mode: from the first message to the
+// The FRI link without the servo loop, in every version and command mode, from the first message to the
 // active session and through an emergency stop.
 TEST(LinkTick, NeitherAllocatesNorLocksInAnyVersionAndMode) {
   using control::CommandMode;

@@ -9,21 +9,22 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Tests of the watch on the measured tool speed, which trips when the arm moves faster than commanded: the
-// watch alone, and in the servo loop.
+// Tests the watch on the measured tool speed, which trips when the arm moves faster than commanded. The watch
+// is tested alone and in the servo loop.
 
 namespace osteon::control {
 namespace {
 
 using safety::CellState, safety::Fault;
 
-constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;  // a KR's period, and the limit of its shipped cell
+// period of a KR, and speed limit of its shipped cell
+constexpr double kPeriod_s = 0.004, kLimit_m_per_s = 0.1;
 constexpr rt::Nanoseconds kPeriod = 4 * rt::kMillisecond;
 
-// A watch and the messages of an arm whose tool moves along x.
+// A watch, and the messages of an arm whose tool moves along x.
 struct Arm {
   explicit Arm(const ArmSpeedParams& params = {}) : watch(params, kPeriod_s) { state.stamp = rt::kSecond; }
-  // The next message, a period later, with the tool at x_m. @returns whether the watch trips
+  // Receives the next message, one period later, with the tool at x_m. @returns whether the watch trips
   bool ReceiveAt(double x_m) {
     state.stamp += kPeriod;
     return watch.Check(state, {x_m, 0.2, -0.3}, kLimit_m_per_s);
@@ -40,7 +41,7 @@ TEST(ArmSpeedWatch, SpeedIsDistanceOverTimeBetweenMessages) {
   EXPECT_NEAR(arm.watch.speed_m_per_s(), 0.1, 1e-9);
 }
 
-// An absolute correction of RSI that falls back to zero throws the arm back, as by 2.1 mm in 4 ms.
+// If an absolute correction of RSI falls back to zero, the arm jumps back. Here the jump is 2.1 mm in 4 ms.
 TEST(ArmSpeedWatch, AJumpOfTwoMillimetresInAMessageTrips) {
   Arm arm;
   double x_m = 0.0;
@@ -49,8 +50,8 @@ TEST(ArmSpeedWatch, AJumpOfTwoMillimetresInAMessageTrips) {
   EXPECT_NEAR(arm.watch.speed_m_per_s(), 0.525, 1e-9);
 }
 
-// A speed of up to 1.5 times the limit adds no excess distance. At twice the limit the allowed excess of 1 mm
-// is used up after about five messages.
+// A speed of up to 1.5 times the limit adds no excess distance. At twice the limit, about five messages reach
+// the allowed excess distance of 1 mm.
 TEST(ArmSpeedWatch, OneAndAHalfTimesTheLimitNeverTripsAndTwiceTripsSoon) {
   Arm arm;
   double x_m = 0.0;
@@ -68,7 +69,7 @@ TEST(ArmSpeedWatch, LostAndLateMessagesCountAsAPeriodEach) {
     for (int i = 0; i < 500; ++i) {
       const std::uint32_t missing = i % 7 == 3 ? 5 : 0;
       (late ? arm.state.late : arm.state.lost) += missing;
-      // all messages arrive at once, so only their count tells how much time has passed
+      // all messages have the same arrival time, so only the count of messages tells how much time has passed
       ASSERT_FALSE(arm.ReceiveAt(x_m += (1 + missing) * kLimit_m_per_s * kPeriod_s)) << i;
       ASSERT_NEAR(arm.watch.speed_m_per_s(), kLimit_m_per_s, 1e-9);
     }
@@ -121,7 +122,7 @@ TEST(ArmSpeedWatch, DoesNotAllocate) {
   }
 }
 
-// A hand pushes until the tool moves at its speed limit.
+// A hand pushes the tool until it moves at its speed limit.
 TEST(ArmSpeedInTheLoop, MotionAtTheSpeedLimitIsReportedAndDoesNotTrip) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
@@ -138,12 +139,12 @@ TEST(ArmSpeedInTheLoop, MotionAtTheSpeedLimitIsReportedAndDoesNotTrip) {
   EXPECT_EQ(most_m_per_s, seen.peak_measured_tool_speed_m_per_s);
 }
 
-// Checked in each state in which the loop commands the arm.
+// The arm jumps once in each state in which the loop commands the arm.
 TEST(ArmSpeedInTheLoop, AnArmThatJumpsStopsTheCellInEveryState) {
   enum class State { kRendering, kStop, kPause, kPaused };
   for (const State state : {State::kRendering, State::kStop, State::kPause, State::kPaused}) {
     SCOPED_TRACE(static_cast<int>(state));
-    ServoBench bench(ServoBench::Params(), 1.0);  // no bone nearby: a stop takes its full time
+    ServoBench bench(ServoBench::Params(), 1.0);  // no bone is near, so a stop takes its full time
     bench.Activate();
     bench.push_N = 40.0;
     bench.Run(200);
@@ -154,7 +155,7 @@ TEST(ArmSpeedInTheLoop, AnArmThatJumpsStopsTheCellInEveryState) {
     ASSERT_FALSE(bench.loop.faults().Any());
     ArmState thrown = bench.arm;
     thrown.q_meas = bench.command.q;
-    thrown.q_meas[0] += 4e-3;  // some 2 mm of the apex: 2 m/s
+    thrown.q_meas[0] += 4e-3;  // about 2 mm at the apex within 1 ms, thus 2 m/s
     thrown.stamp = bench.now += ServoBench::kTick;
     ++thrown.sequence;
     bench.readings.force.stamp = bench.now;
@@ -177,7 +178,7 @@ TEST(ArmSpeedInTheLoop, AnArmThatItsOwnProgramMovesIsNotWatched) {
   ServoBench bench;
   bench.Run(20);
   bench.arm_moves = false;
-  for (int i = 0; i < 50; ++i) {  // jogged, by its own program
+  for (int i = 0; i < 50; ++i) {  // the arm is jogged by its own program
     bench.arm.q_meas[0] += 2e-3;
     bench.Tick();
   }

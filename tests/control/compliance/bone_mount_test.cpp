@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the elastic mount that holds the bone: frequency and damping of its decay, displacement and tilt
-// under a force, and the creep of its pads.
+// Tests the elastic mount that holds the bone: the frequency and damping of its oscillation, its displacement
+// and tilt under a force, and the creep of its pads.
 
 namespace osteon::control {
 namespace {
@@ -28,7 +28,7 @@ TEST(BoneMount, OscillatesAtItsFrequencyAndDecaysByItsDampingRatio) {
   constexpr double kHz = 10.0, kZeta = 0.05;
   BoneMountState state;
   state.d[0] = 1e-3;
-  // times [s] and heights [m] of the maxima of the decaying oscillation
+  // times [s] of the oscillation's maxima, and the displacement [m] at each
   std::vector<double> at_s, height;
   double last_m = state.d[0], second_last_m = last_m;
   for (int i = 1; i < 1000; ++i) {
@@ -78,7 +78,8 @@ TEST(BoneMount, PadsCreepUnderForceAndRecoverWithoutIt) {
   EXPECT_LT(state.creep_m.norm(), 1e-6);
 }
 
-// The velocity that the mount reports for a point equals the difference of the point's positions over a tick.
+// The velocity that the mount reports for a point must equal the difference of the point's positions over a
+// tick.
 TEST(BoneMount, TwistIsTheDerivativeOfThePose) {
   const BoneMountParams params = Mount(3.0, 8.0);
   BoneMountState state;

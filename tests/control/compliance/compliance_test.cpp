@@ -8,15 +8,15 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/compliance/compliant_ride.h"
 
-// Tests of the compliance of tool, surface layer and bone mount together: frames, wrench, limits, and the
-// energy in a thousand random motions of the tool against elastic planes (rides, compliant_ride.h).
+// Tests tool, surface layer and bone mount together, all compliant: frames, wrench, limits and energy. For
+// the energy, the tool moves 1000 times at random against elastic planes (a ride, see compliant_ride.h).
 
 namespace osteon::control {
 namespace {
 
 constexpr double kT_s = 1e-3, kSeconds = 1.0;
 
-// A drill of 3.2 mm diameter, with 8.72 N/mm sideways at its apex.
+// A drill of 3.2 mm diameter, with a lateral stiffness of 8.72 N/mm at its apex.
 ToolLinkParams Drill() {
   ToolLinkParams tool;
   tool.compliance_T(0, 0) = tool.compliance_T(1, 1) = 1.1468e-4;
@@ -44,7 +44,7 @@ BoneMountParams Pelvis() {
   return mount;
 }
 
-// A frame with one contact in the layer's material.
+// A frame of the simulation with one contact in the layer's material.
 simulation::ContactModel LayerFrame() {
   simulation::ContactModel model;
   model.frame = 1;
@@ -54,7 +54,7 @@ simulation::ContactModel LayerFrame() {
   return model;
 }
 
-// The compliant elements of a test case.
+// The compliant elements that a test case uses.
 struct CompliantParts {
   const char* name;
   bool layer, tool, mount;
@@ -78,8 +78,8 @@ double MountEnergy(const BoneMountParams& mount, const BoneMountState& state) {
                 mount.creep_N_per_m * state.creep_m.squaredNorm());
 }
 
-// Energy [J] that tool and mount store. The energy in the surface layer is not counted, so the energy test is
-// less strict for the layer.
+// Energy [J] that tool and mount store. The layer's stored energy is left out, so the energy test is less
+// strict for the layer.
 double StoredIn(const Compliance& c) {
   double stored_J = 0.0;
   if (c.params().tool) stored_J += 0.5 * c.bend().dot(c.params().tool->compliance_T.ldlt().solve(c.bend()));
@@ -89,8 +89,8 @@ double StoredIn(const Compliance& c) {
 
 class ComplianceEnergy : public testing::TestWithParam<CompliantParts> {};
 
-// 1000 rides with each element alone, and 1000 with all three. worst_J is the smallest energy balance of any
-// ride: below zero, the ride took out more than it had put in.
+// 1000 random motions (rides) with each element alone, and 1000 with all three. worst_J is the smallest
+// energy balance: below zero, the motion took out more energy than it had put in.
 TEST_P(ComplianceEnergy, NoRideTakesOutMoreThanItPutIn) {
   std::mt19937_64 bits(41);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -116,8 +116,8 @@ INSTANTIATE_TEST_SUITE_P(Each, ComplianceEnergy,
                                          CompliantParts{"all", true, true, true}),
                          [](const auto& test) { return test.param.name; });
 
-// Counter-example to the test above: with a time constant below the smallest passive one, min_tau_s, rides do
-// take energy out of the tool.
+// Counter-example to the test above: if the time constant is below min_tau_s, the smallest passive one,
+// random motions do take energy out of the tool.
 TEST(Compliance, AToolWithATooShortTimeConstantGivesEnergy) {
   ComplianceParams params;
   params.tool = Drill();
@@ -140,7 +140,8 @@ TEST(Compliance, AToolWithATooShortTimeConstantGivesEnergy) {
   EXPECT_GT(min_balance_J(1.05), -1e-6);
 }
 
-// With a rigid tool, and mount and layer at rest, the head's pose, velocity and wrench are those of the tool.
+// The tool is rigid, and mount and layer are at rest. Then pose, velocity and wrench of the head must equal
+// those of the tool.
 TEST(Compliance, ARigidToolAtRestKeepsPoseVelocityAndWrench) {
   ComplianceParams params = ParamsOf({"all", true, true, true});
   params.tool->compliance_T.setZero();
@@ -155,8 +156,8 @@ TEST(Compliance, ARigidToolAtRestKeepsPoseVelocityAndWrench) {
   EXPECT_LT((compliance.OnTool(F, X_WT).t - F.t).norm(), 1e-12);
 }
 
-// Virtual work: in a small motion, the wrench that OnTool computes for T does the same work on T as the given
-// wrench does on the head.
+// Principle of virtual work: the given wrench acts on the head, and OnTool computes the equivalent wrench on
+// T. In a small motion both must do the same work.
 TEST(Compliance, WrenchesOnToolAndHeadDoTheSameWork) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();
@@ -179,7 +180,8 @@ TEST(Compliance, WrenchesOnToolAndHeadDoTheSameWork) {
   }
 }
 
-// While tool, layer and mount all move, the head's velocity is the difference of its poses over the period.
+// While tool, layer and mount all move, the head's velocity must equal the difference of its poses over the
+// period.
 TEST(Compliance, TheHeadsVelocityIsTheDerivativeOfItsPose) {
   Compliance compliance(ParamsOf({"all", true, true, true}), kT_s);
   Pose X_WT = Pose::Identity();

@@ -7,7 +7,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of a compliant tool, bone mount and surface layer in the coupling's pipeline and in the whole servo
+// Tests a compliant tool, bone mount and surface layer in the coupling's pipeline and in the whole servo
 // loop.
 
 namespace osteon::control {
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kK_N_per_m = 20e3;  // the coupling's stiffness in ServoBench
 
-// A tool as stiff as the coupling, 20 N/mm along its feed and across it.
+// A tool that is as stiff as the coupling, 20 N/mm both along its feed and across it.
 ToolLinkParams SoftTool() {
   ToolLinkParams tool;
   tool.compliance_T.diagonal().setConstant(1.0 / kK_N_per_m);
@@ -48,7 +48,7 @@ struct HeldTool {
     pipeline.StepCompliance(model, acting);
     return rendered;
   }
-  // 800 ticks, until the coupling has faded in and all elements are at rest.
+  // Runs 800 ticks, until the coupling has faded in and all elements are at rest.
   safety::LimitedWrench Settle(double depth_m) {
     safety::LimitedWrench rendered;
     for (int i = 0; i < 800; ++i) rendered = Tick(depth_m);
@@ -60,7 +60,7 @@ struct HeldTool {
   rt::Nanoseconds now{rt::kSecond};
 };
 
-// Two springs of 20 N/mm in series: 2 mm give 20 N instead of 40 N.
+// The tool and the coupling are two springs of 20 N/mm in series: at 2 mm the force is 20 N instead of 40 N.
 TEST(CompliantCoupling, AToolAsSoftAsTheCouplingHalvesTheForce) {
   ServoParams params = ServoBench::Params();
   params.compliance.tool = SoftTool();
@@ -85,7 +85,7 @@ TEST(CompliantCoupling, ALayerDoesNotYieldToPlanesOutsideIt) {
   layer.tau_s = 0.05;
   params.compliance.layer = layer;
   HeldTool held(params);
-  // the bench's plane has no weight in a layer, so the force is that of a rigid cell
+  // the bench's plane lies in no layer (its weight is 0), so the force equals that of a rigid cell
   EXPECT_NEAR(held.Settle(2e-3).F.f.norm(), 40.0, 0.4);
 }
 
@@ -103,7 +103,8 @@ TEST(CompliantCoupling, ElementsWithoutComplianceChangeNothing) {
   }
 }
 
-// A tool as soft as the coupling stores as much energy as the coupling: the force limit falls by sqrt(2).
+// A tool that is as soft as the coupling stores as much energy as the coupling. Therefore the force limit is
+// reduced by the factor sqrt(2).
 TEST(CompliantCoupling, TheElementsEnergyLowersTheForceLimit) {
   ServoParams params = ServoBench::Params();
   params.energy.max_stored_J = 0.1;
@@ -136,7 +137,7 @@ TEST(CompliantCoupling, DoesNotAllocate) {
   held.Tick(model);
 }
 
-// A hand presses with 40 N on bone that stands on a mount of 40 N/mm: the bone moves by 1 mm.
+// A hand presses with 40 N on bone whose mount has a stiffness of 40 N/mm, so the bone moves by 1 mm.
 TEST(CompliantLoop, AHandMovesTheBoneByForceOverStiffness) {
   constexpr double kPush_N = 40.0, kMount_N_per_m = 40e3;
   ServoParams params = ServoBench::Params();
@@ -166,7 +167,7 @@ TEST(CompliantLoop, ABendBeyondItsLimitStopsTheCell) {
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }
 
-// A second loop computes every tick again from its record; the results must be equal in every bit.
+// A second loop computes every tick again from the tick's record. The results must be equal in every bit.
 TEST(CompliantLoop, EveryTickCanBeReplayedBitForBit) {
   ServoParams params = ServoBench::Params();
   params.compliance = {.tool = SoftTool(), .mount = Mount(40e3)};
@@ -185,7 +186,7 @@ TEST(CompliantLoop, EveryTickCanBeReplayedBitForBit) {
 }
 
 // The depth bound is fixed either to the bone (rides_on_bone) or to the world. Bone on a soft mount moves
-// away from the tool: only with the bound on the bone does this motion not count as depth.
+// away from the tool. This motion counts as depth only if the bound is fixed to the world.
 TEST(CompliantLoop, ADepthBoundFixedToTheBoneMovesWithTheBone) {
   ServoParams params = ServoBench::Params();
   params.compliance.mount = Mount(20e3);
@@ -206,7 +207,8 @@ TEST(CompliantLoop, ADepthBoundFixedToTheBoneMovesWithTheBone) {
       bench.Tick();
     }
     EXPECT_FALSE(bench.loop.faults().Any());
-    // the apex stands 1 mm + F/K + F/k = 3 mm ahead of the start, 2 mm of it in bone coordinates
+    // the apex moves by 1 mm + F/K + F/k = 3 mm from the start, with the force F and the stiffnesses K of the
+    // coupling and k of the mount; relative to the bone it moves by 2 mm
     return bench.loop.statistics().min_depth_left_m;
   };
   EXPECT_NEAR(distance_m(true), 1.0e-3, 0.1e-3);

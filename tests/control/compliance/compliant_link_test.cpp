@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the massless compliant element, which relaxes to force × compliance with a time constant: energy
-// lost per cycle, relaxation, and the smallest time constant with which the element is stable.
+// Tests the massless compliant element. Its deflection relaxes toward force × compliance with a time
+// constant. The tests check the energy lost per cycle, the relaxation, and the smallest time constant with
+// which the element is stable.
 
 namespace osteon::control {
 namespace {
@@ -15,13 +16,13 @@ using Scalar1 = Eigen::Matrix<double, 1, 1>;
 
 constexpr double kT_s = 1e-3;
 
-// The element's deflection a tick later, as it relaxes toward `rest`.
+// The element's deflection one tick later, while it relaxes toward `rest`.
 double Stepped(double x, double rest, double tau_s) {
   return StepMassless<1>(Scalar1(x), Scalar1(rest), kT_s, tau_s)[0];
 }
 
-// Energy [J] lost per cycle of a motion of ±1 mm: a spring of 10 N/mm in series with an element of 10 N/mm
-// and a time constant of 0.3 s. Measured in the tenth cycle.
+// Energy [J] lost per cycle of a motion of ±1 mm, measured in the tenth cycle. A spring of 10 N/mm is in
+// series with an element of 10 N/mm and a time constant of 0.3 s.
 double LossPerCycle_J(double hz) {
   constexpr double kK = 1e4, kTau_s = 0.3;
   double e = 0.0, before_N = 0.0, x_before = 0.0, loss_J = 0.0;
@@ -39,9 +40,11 @@ double LossPerCycle_J(double hz) {
 TEST(CompliantLink, LosesTheEnergyOfTheClosedFormPerCycle) {
   EXPECT_NEAR(1e3 * LossPerCycle_J(0.5), 6.077, 0.01 * 6.077);
   EXPECT_NEAR(1e3 * LossPerCycle_J(2.0), 6.525, 0.01 * 6.525);
-  // closed form: pi X² K' w tau / (1 + (w tau)²), X = 1 mm, with K' = 5 N/mm and tau of the series
+  // closed form of the loss: pi X² K' w tau / (1 + (w tau)²), with the amplitude X = 1 mm, the angular
+  // frequency w, and stiffness K' = 5 N/mm and time constant tau of the series
   for (const double hz : {0.5, 2.0}) {
-    const double w = 2.0 * std::numbers::pi * hz, tau = 0.15;  // of the series: tau / (1 + K / k)
+    // time constant of the series: 0.3 s / (1 + K / k)
+    const double w = 2.0 * std::numbers::pi * hz, tau = 0.15;
     const double exact = std::numbers::pi * 1e-6 * 0.5e4 * w * tau / (1.0 + w * w * tau * tau);
     EXPECT_NEAR(LossPerCycle_J(hz), exact, 0.01 * exact) << hz;
   }
@@ -53,8 +56,9 @@ TEST(CompliantLink, RelaxesWithItsTimeConstant) {
   EXPECT_NEAR(x, 1.0 - std::exp(-1.0), 2e-3);
 }
 
-// A held tool, spring K and an element of compliance C: below the smallest time constant T (K C - 1) / 2, the
-// deflection grows from tick to tick with changing sign.
+// The tool is held still; a spring K is in series with an element of compliance C. If the element's time
+// constant is below the smallest one, T (K C - 1) / 2 with the period T, the deflection grows from tick to
+// tick with alternating sign.
 TEST(CompliantLink, AHeldToolIsStableAboveTheSmallestTimeConstant) {
   constexpr double kK = 80e3, kC = 1.0 / 8720.0;
   const double min_tau_s = 0.5 * kT_s * (kK * kC - 1.0);

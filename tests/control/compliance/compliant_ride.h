@@ -9,21 +9,21 @@
 #include "control/compliance/compliance.h"
 #include "control/laws/twist_parts.h"
 
-// Rides: smooth random motions of a compliant tool against elastic planes, which begin and end at rest. Used
-// to check that the motion never takes out more energy than it has put in.
+// A ride is a smooth random motion of a compliant tool against elastic planes, which begins and ends at rest.
+// The tests check with rides that a motion never takes out more energy than it has put in.
 
 namespace osteon::control {
 
-/// A plane of the bone at rest, with the coupling's spring.
+/// A plane of bone at rest. Its spring has the coupling's stiffness.
 struct SpringPlane {
   Vector3 n{Vector3::UnitZ()};
-  double offset_m{0.0};  ///< n·p of its points
+  double offset_m{0.0};  ///< n·p for each point p of the plane
   double stiffness_N_per_m{20e3};
-  Vector3 p_TP_m{Vector3::Zero()};  ///< the tool's point that touches
+  Vector3 p_TP_m{Vector3::Zero()};  ///< the tool's point that touches the plane
 };
 
-/// Wrench of the planes on the tool's head E, at Eo, in the bone's frame M.
-/// @param[out] stored_J  energy in the planes' springs
+/// Wrench on the tool's head E, at its origin Eo, from the springs of the planes, in the bone's frame M.
+/// @param[out] stored_J  energy stored in the springs
 inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_ME, double& stored_J) {
   Wrench F;
   stored_J = 0.0;
@@ -39,8 +39,8 @@ inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_
   return F;
 }
 
-/// The pose over time of a ride: three random sine waves (0.3 to 8 Hz) per axis under a window that is zero
-/// at both ends.
+/// The tool's pose over time in a ride. Each axis follows the sum of three random sine waves (0.3 to 8 Hz),
+/// multiplied by a window that is zero at both ends.
 class SmoothRide {
  public:
   SmoothRide(std::mt19937_64& bits, double seconds, double travel_m, double turn_rad) : seconds_(seconds) {
@@ -71,14 +71,14 @@ class SmoothRide {
   double seconds_;
 };
 
-/// The energy of a ride.
+/// The work and the energy balance of a ride.
 struct RideEnergy {
-  double work_J{0.0};         ///< work that the motion has put into the compliant parts and planes
-  double min_balance_J{0.0};  ///< smallest value during the ride of work minus stored energy
+  double work_J{0.0};         ///< work that the ride has put into the compliant parts and planes
+  double min_balance_J{0.0};  ///< smallest value of work minus stored energy during the ride
 };
 
-/// Moves the tool through a ride, tick by tick.
-/// @param stored_in  a function that returns the energy [J] stored in the elements of a Compliance
+/// Moves the tool along a ride, tick by tick.
+/// @param stored_in  returns the energy [J] that the elements of a Compliance store
 template <class StoredIn>
 RideEnergy RunRide(Compliance& compliance, const std::vector<SpringPlane>& planes, const SmoothRide& ride,
                    const simulation::ContactModel& model, double seconds, double period_s,

@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the soft layer on the bone: indentation by a ball against Winkler's formula, relaxation, and its
-// limits.
+// Tests the soft layer on the bone: indentation by a ball against Winkler's formula, relaxation, and the
+// limits of the indentation.
 
 namespace osteon::control {
 namespace {
 
-constexpr double kT_s = 1e-3, kRadius_m = 25e-3;  // the tick; the ball of a 50 mm reamer
+constexpr double kT_s = 1e-3, kRadius_m = 25e-3;  // period of a tick; radius of the ball of a 50 mm reamer
 constexpr double kE_m = 0.5e-3;                   // thickness of the engaged layer
 const double kTouch_m2 = std::numbers::pi * kRadius_m * kE_m;
 
@@ -27,7 +27,7 @@ SurfaceLayerParams Layer(double kappa_N_per_m3, double thickness_m = 0.02, doubl
   return params;
 }
 
-// The contact of a ball that just touches. @param share  of the contact that lies in the layer
+// The contact of a ball that just touches the bone. @param share  share of the contact that lies in the layer
 LayerContact Touch(const SurfaceLayerParams& params, double share = 1.0) {
   return {.kappa_N_per_m3 = params.kappa_N_per_m3[0], .share = share, .area_m2 = kTouch_m2};
 }
@@ -49,7 +49,8 @@ TEST(SurfaceLayer, IndentationByABallFollowsWinkler) {
   EXPECT_NEAR(1e3 * LayerIndentation(fast, Touch(fast), 100.0), 0.1361, 0.0014);
 }
 
-// The coupling of 20 N/mm is held 3 mm deep in a soft layer; the force falls over 2 s as the layer yields.
+// The tool is held 3 mm deep in a soft layer, with a coupling of 20 N/mm. The force falls over 2 s as the
+// layer yields.
 TEST(SurfaceLayer, TheForceOnAHeldToolRelaxes) {
   const SurfaceLayerParams soft = Layer(kSoft);
   Vector3 q = Vector3::Zero();
@@ -78,7 +79,8 @@ TEST(SurfaceLayer, IsContinuousBetweenItsPieces) {
   const SurfaceLayerParams soft = Layer(kSoft);
   EXPECT_NEAR(LayerIndentation(soft, Touch(soft), 0.999999), LayerIndentation(soft, Touch(soft), 1.000001),
               1e-8);
-  // with half of the reach engaged, 200 N lie beyond delta_s: the force is linear with slope kappa A_max
+  // the contact has half of the largest area, and 200 N indent the layer beyond delta_s: from there on the
+  // force is linear, with the slope kappa A_max
   LayerContact seated = Touch(soft);
   seated.area_m2 = 0.5 * soft.max_area_m2;
   const double slope = kSoft * soft.max_area_m2;
@@ -86,8 +88,8 @@ TEST(SurfaceLayer, IsContinuousBetweenItsPieces) {
   EXPECT_NEAR(1.0 / (more - at), slope, 1e-3 * slope);
 }
 
-// The indentation fades with the share of the contact that lies in the layer: full at 1, half at 0.75, none
-// at 0.5.
+// The indentation depends on the share of the contact that lies in the layer: full at a share of 1, half at
+// 0.75, none at 0.5.
 TEST(SurfaceLayer, YieldsAtMostTwoFifthsOfItsThicknessAndFadesWithItsShare) {
   const SurfaceLayerParams thin = Layer(kSoft, 5e-3);
   EXPECT_DOUBLE_EQ(LayerIndentation(thin, Touch(thin), 200.0), 2e-3);

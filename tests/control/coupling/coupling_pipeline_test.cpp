@@ -5,8 +5,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the pipeline that computes the rendered wrench from the contact model: coupling, limits and their
-// report.
+// Tests the pipeline that computes the rendered wrench from the contact model: the coupling, the limits, and
+// the report of the limits that act.
 
 namespace osteon::control {
 namespace {
@@ -29,7 +29,7 @@ struct Contact {
         acting));
     return pipeline.Render(*arm, acting);
   }
-  // Long enough for the coupling to fade in.
+  // Runs 500 ticks, long enough for the coupling to fade in.
   safety::LimitedWrench Settle(double depth_m) {
     safety::LimitedWrench rendered;
     for (int i = 0; i < 500; ++i) rendered = Tick(depth_m);
@@ -101,7 +101,7 @@ TEST(CouplingPipeline, AfterAResetTheForceFadesInFromZero) {
 TEST(CouplingPipeline, ChangedGainsActFromTheNextTick) {
   Contact contact(ServoBench::Params());
   const double before_N = contact.Settle(2e-3).F.f.norm();
-  // the pipeline reads the loop's parameters by reference
+  // changes the stiffness in the pipeline as well, because it holds the parameters by reference
   contact.params.coupling.max_stiffness_N_per_m *= 0.5;
   contact.pipeline.OnGainsChanged();
   EXPECT_NEAR(contact.Settle(2e-3).F.f.norm(), 0.5 * before_N, 0.02 * before_N);

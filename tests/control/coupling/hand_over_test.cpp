@@ -12,7 +12,7 @@
 #include "safety/limits.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the hand-over: when a new frame's planes appear, vanish or turn, as on curved bone, the coupling
+// Tests the hand-over. When the planes of a new frame appear, vanish or turn, as on curved bone, the coupling
 // turns its force to the new planes over some ticks instead of at once.
 
 namespace osteon::control {
@@ -20,7 +20,7 @@ namespace {
 
 using simulation::ContactModel;
 
-// Stiffness [N/m], largest tool speed and period of the shipped drilling cells; a hand-over takes return_s =
+// Stiffness [N/m], largest tool speed and period in the shipped drilling cells. A hand-over takes return_s =
 // 8 ms.
 constexpr double kK = 60e3, kSpeed_m_per_s = 0.15, kDt_s = 1e-3;
 constexpr int kReturnTicks = 8;
@@ -31,13 +31,13 @@ Pose At(const Vector3& p_WT) {
   return X_WT;
 }
 
-// Unit normal at `tilt_rad` from z, leaning in the direction `turn_rad` about z.
+// Unit normal that is tilted by `tilt_rad` from z, toward the direction at angle `turn_rad` about z.
 Vector3 Tilted(double tilt_rad, double turn_rad) {
   return {std::sin(tilt_rad) * std::cos(turn_rad), std::sin(tilt_rad) * std::sin(turn_rad),
           std::cos(tilt_rad)};
 }
 
-// Adds a plane of stiffness kK through p_W, which the tool's point p_T touches.
+// Adds a plane of stiffness kK through p_W. The tool's point p_T touches it.
 void AddPlane(ContactModel& model, const Vector3& n_W, const Vector3& p_W,
               const Vector3& p_T = Vector3::Zero()) {
   simulation::Contact& plane = model.contacts[static_cast<std::size_t>(model.contact_count++)];
@@ -47,7 +47,7 @@ void AddPlane(ContactModel& model, const Vector3& n_W, const Vector3& p_W,
   plane.stiffness_N_per_m = kK;
 }
 
-// The coupling, faded in, with the trip on the wrench's rate.
+// The coupling, already faded in, and the trip on the wrench's rate.
 struct Bench {
   CouplingParams params{.max_stiffness_N_per_m = kK};
   CouplingState state;
@@ -73,9 +73,9 @@ struct Bench {
   }
 };
 
-// The plane under the drill leans by 11° in the next frame, as recorded on a femoral head: without a
-// hand-over the force changed from (0.3, -1.8, 89.5) N to (-4.4, -17.0, 87.0) N within a tick, and the trip
-// acts at 13.5 N.
+// The plane under the drill leans by 11° in the next frame, as recorded on a femoral head. Without a
+// hand-over, the force changed from (0.3, -1.8, 89.5) N to (-4.4, -17.0, 87.0) N within a tick; the trip acts
+// from 13.5 N on.
 TEST(HandOver, APlaneThatLeansInTheNextFrameTurnsTheForceEvenlyWithinReturnTime) {
   Bench bench;
   bench.NewFrame();
@@ -114,7 +114,7 @@ TEST(HandOver, AForceThatFallsIsNotDelayed) {
   AddPlane(bench.model, Tilted(0.5, 0.3), Vector3::Zero());
   const double size_N = 90.0 * std::cos(0.5);
   EXPECT_LE(bench.Tick(At({0.0, 0.0, -1.5e-3})).F_T_W.f.norm(), size_N) << "the new planes' force, at once";
-  // the tool is pulled back while the force still turns
+  // the tool is pulled back while the force is still being turned
   for (const double depth_m : {0.8e-3, 0.3e-3, 0.05e-3}) {
     const CouplingOutput out = bench.Tick(At({0.0, 0.0, -depth_m}));
     EXPECT_LE(out.F_T_W.f.norm(), kK * depth_m * std::cos(0.5) * (1.0 + 1e-9));
@@ -136,8 +136,8 @@ TEST(HandOver, ASmallTurnEndsWithinOneTick) {
   EXPECT_EQ(out.hand_over_s, 0.0) << "the age governor counts no more age";
 }
 
-// The contact point changes together with the force's direction, so that the torque must be handed over as
-// well: the old direction at the new point would turn the tool.
+// The contact point changes together with the force's direction, so the torque must be handed over as well.
+// The old direction of the force at the new point would turn the tool.
 TEST(HandOver, TheTorqueIsHandedOverTogetherWithTheForce) {
   Bench bench;
   bench.NewFrame();
@@ -158,8 +158,8 @@ TEST(HandOver, TheTorqueIsHandedOverTogetherWithTheForce) {
   }
 }
 
-/// Random frames as of a convex bone: 1 to 7 planes whose normals lie in a cone about z, close to the proxy.
-/// From frame to frame, planes appear, vanish and lean differently.
+/// Random frames like those of a convex bone: 1 to 7 planes close to the proxy, with normals in a cone about
+/// z. From frame to frame, planes appear, vanish and lean differently.
 class ChangingPlanes {
  public:
   explicit ChangingPlanes(std::uint64_t seed) : bits_(seed) {}
@@ -178,7 +178,7 @@ class ChangingPlanes {
   std::mt19937_64 bits_;
 };
 
-// New planes every 1 to 30 ms, while the tool rests 1.5 mm deep.
+// The planes change every 1 to 30 ms, while the tool is held 1.5 mm deep.
 TEST(HandOver, NoChangeOfPlanesTripsTheRateOrRaisesTheForce) {
   double max_step_N = 0.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -188,7 +188,8 @@ TEST(HandOver, NoChangeOfPlanesTripsTheRateOrRaisesTheForce) {
       bench.NewFrame();
       AddPlane(bench.model, Vector3::UnitZ(), Vector3::Zero());
       const Pose X_WT = At({0.0, 0.0, -1.5e-3});
-      for (int i = 0; i < 60; ++i) {  // the first contact is not a hand-over
+      // brings the tool into contact gradually, because the first contact is not a hand-over
+      for (int i = 0; i < 60; ++i) {
         bench.model.contacts[0].p_W_m = Vector3(0.0, 0.0, -1.5e-3 + 25e-6 * i);
         ++bench.model.frame;
         static_cast<void>(bench.Tick(X_WT));
@@ -215,7 +216,7 @@ TEST(HandOver, NoChangeOfPlanesTripsTheRateOrRaisesTheForce) {
 }
 
 // A hand-over force of 10 N along a motion of 0.1 mm per tick gives the tool 1 mJ per tick, which the tank
-// pays for. The planes' springs store nothing in this test.
+// must supply. The planes' springs store nothing in this test.
 TEST(HandOver, TheEnergyTankPaysForItsWorkAndScalesItToZeroWhenEmpty) {
   constexpr double kCap_J = 5e-3;
   EnergyTank tank({.cap_J = kCap_J}, kDt_s);
@@ -236,7 +237,7 @@ TEST(HandOver, TheEnergyTankPaysForItsWorkAndScalesItToZeroWhenEmpty) {
   EXPECT_GT(done_J, 0.9 * kCap_J);
   EXPECT_LE(done_J, kCap_J + 1e-9);
   EXPECT_LT(tank.hand_over_scale(), 1e-3);
-  // a hand-over force against the motion fills the tank
+  // a hand-over force opposite to the motion fills the tank
   out.F_hand_over_T_W.f = out.F_contact_T_W.f = Vector3(-10.0, 0.0, 0.0);
   static_cast<void>(tank.Step(out, At({13e-4, 0.0, 0.0}), V_WT, 1.0));
   EXPECT_GT(tank.energy_J(), 0.4e-3);

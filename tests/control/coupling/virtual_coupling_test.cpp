@@ -12,7 +12,8 @@
 #include "safety/limits.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the virtual coupling: the wrench by which the planes of a contact model push the tool.
+// Tests the virtual coupling, which computes the wrench with which the planes of a contact model push the
+// tool.
 
 namespace osteon::control {
 namespace {
@@ -24,8 +25,8 @@ using simulation::ContactModel;
 constexpr double kK = 20e3;  // [N/m]
 constexpr double kDt_s = 0.001;
 
-// A model with one plane through the origin of W, touched by the tool's apex.
-// @param advance_m_per_s  speed at which the plane recedes while the tool cuts
+// A model with one plane through the origin of W, which the tool's apex touches.
+// @param advance_m_per_s  speed at which the plane recedes during cutting
 ContactModel Plane(const Vector3& n_W, double advance_m_per_s = 0.0) {
   ContactModel model;
   model.contact_count = 1;
@@ -43,7 +44,7 @@ Pose At(const Vector3& p_WT) {
   return X_WT;
 }
 
-// The coupling, faded in; each tick may have a model of another age.
+// The coupling, already faded in. Each tick may have a model of another age.
 struct Bench {
   CouplingParams params;
   CouplingState state;
@@ -74,19 +75,19 @@ TEST(VirtualCoupling, APlaneIsALinearSpringOnOneSide) {
   EXPECT_EQ(out.active_count, 0);
 }
 
-// Oracle: r × f by hand, for a contact at 25 mm from the apex on a turned tool.
+// Oracle: r × f, computed in the test for a contact at 25 mm from the apex of a rotated tool.
 TEST(VirtualCoupling, TorqueIsTheForcesLeverAboutTheApex) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
   model.contacts[0].p_TP_m = Vector3(-0.025, 0.0, -0.025);
   model.contacts[0].p_W_m = Vector3(0.1, 0.0, 0.0);
   Pose X_WT = At({0.124, 0.0, 0.0});
-  const CouplingOutput out = bench.Tick(model, X_WT);  // contact at x = 0.099: 1 mm inside
+  const CouplingOutput out = bench.Tick(model, X_WT);  // the contact is at x = 0.099, which is 1 mm inside
   EXPECT_TRUE(out.F_T_W.f.isApprox(Vector3(20.0, 0.0, 0.0), 1e-10));
   EXPECT_TRUE(out.F_T_W.t.isApprox(Vector3(0.0, -0.025 * 20.0, 0.0), 1e-10));
 }
 
-// Two faces at 90°: the proxy lies on their edge.
+// Two faces meet at 90°, and the proxy lies on their common edge.
 TEST(VirtualCoupling, ACornerGivesTheVectorSumOfBothFaces) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
@@ -122,8 +123,8 @@ TEST(VirtualCoupling, DampingDissipatesWithinItsShareAndNeverPulls) {
   }
 }
 
-// The tool flies into a static plane without a hand, at random speed and angle: it must leave slower than it
-// came.
+// The tool hits a static plane without a hand, at a random speed and angle. It must leave the plane more
+// slowly than it came.
 TEST(VirtualCoupling, WithAdmittanceAStaticWallReturnsNoMoreEnergyThanItGot) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> speed(0.005, 0.25), angle(-1.2, 1.2);
@@ -151,7 +152,7 @@ TEST(VirtualCoupling, WithAdmittanceAStaticWallReturnsNoMoreEnergyThanItGot) {
   }
 }
 
-// A fresh contact at the speed limit with a pushing hand: the trip that guards against steps must not act.
+// First contact at the speed limit, with a hand that pushes. The trip on the wrench's rate must not act.
 TEST(VirtualCoupling, AFirstContactAtFullSpeedDoesNotTripTheRate) {
   Bench bench;
   safety::WrenchRateTrip trip(kK, 0.25);
@@ -210,7 +211,7 @@ TEST(VirtualCoupling, WithoutForceAPlaneDoesNotRecede) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0}, 0.01);
   model.pose_stamp = bench.now;
-  for (int i = 0; i < 10; ++i) {  // in free space
+  for (int i = 0; i < 10; ++i) {  // the tool hovers above the plane
     bench.now += kMillisecond;
     const CouplingOutput hovering = EvaluateCoupling(
         bench.params, {.model = model, .X_WT = At({0.0, 0.0, 1e-3}), .now = bench.now, .spindle_turns = true},
@@ -224,8 +225,8 @@ TEST(VirtualCoupling, WithoutForceAPlaneDoesNotRecede) {
   EXPECT_NEAR(out.F_T_W.f.z(), 20.0, 1e-9);
 }
 
-// Bone recedes at 1 mm/s, and the tool follows at constant depth, so that the exact force is constant. The
-// simulation reports every 4 ms the bone of 3 ms ago.
+// Bone recedes at 1 mm/s, and the tool follows at a constant depth, so the exact force is constant. Every 4
+// ms the simulation reports the bone as it was 3 ms ago.
 TEST(VirtualCoupling, NewFramesOfRecedingBoneCauseNoForceStep) {
   Bench bench;
   const double advance_m_per_s = 1e-3, depth_m = 4e-3;
@@ -245,7 +246,7 @@ TEST(VirtualCoupling, NewFramesOfRecedingBoneCauseNoForceStep) {
     const Pose X_WT = At({0.0, 0.0, surface_m(bench.now) - depth_m});
     const CouplingOutput out = EvaluateCoupling(
         bench.params, {.model = model, .X_WT = X_WT, .now = bench.now, .spindle_turns = true}, bench.state);
-    if (i < 70) continue;  // until the history of cutting covers the delay
+    if (i < 70) continue;  // until the recorded history of cutting covers the delay
     low_N = std::min(low_N, out.F_T_W.f.z());
     high_N = std::max(high_N, out.F_T_W.f.z());
   }
@@ -253,17 +254,17 @@ TEST(VirtualCoupling, NewFramesOfRecedingBoneCauseNoForceStep) {
   EXPECT_NEAR(high_N, kK * depth_m, 1e-6) << "without the recession in between: 0.14 N of saw-tooth";
 }
 
-// The bone recedes less than predicted: the new frame's plane lies 0.35 mm ahead of the last one, before the
-// proxy. The plane is held back and released within return_s.
+// The bone recedes less than predicted. The new frame's plane lies 0.35 mm higher than the last one, in front
+// of the proxy. The coupling must hold the plane back and release it within return_s.
 TEST(VirtualCoupling, ANewPlaneBeforeTheProxyIsReleasedOverReturnTime) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
   const Pose X_WT = At({0.0, 0.0, -1e-3});
   EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 20.0, 1e-9);
   const double jump_m = 0.35e-3;
-  const int ticks = 8;  // return_s
+  const int ticks = 8;  // return_s in ticks
   for (int i = 1; i <= 3 * ticks; ++i) {
-    if (i % 4 == 1) {  // a frame every 4 ms, all of the same bone
+    if (i % 4 == 1) {  // every 4 ms a new frame of the unchanged bone
       model.frame += 1;
       model.contacts[0].p_W_m = Vector3(0.0, 0.0, jump_m);
     }
@@ -274,14 +275,16 @@ TEST(VirtualCoupling, ANewPlaneBeforeTheProxyIsReleasedOverReturnTime) {
   }
 }
 
-// A new frame finds a plane where there was free air, while the tool moves. Only what the plane would have
-// pressed at the last tick's pose may be held back; the force of this tick's motion (0.3 mm) acts at once.
+// While the tool moves, a new frame has a plane where the last frame had free air. Only the force that the
+// plane would have had at the last tick's pose may be held back. The force due to this tick's own motion (0.3
+// mm) must act at once.
 TEST(VirtualCoupling, ANewPlaneIsNotHeldBackForThisTicksOwnMotion) {
   Bench bench;
   ContactModel free_air = Plane({0.0, 0.0, 1.0});
   free_air.contact_count = 0;
   Pose before = At({0.0, 0.0, 0.0}), after = At({0.0, 0.0, -0.2e-3});
-  // a rotation in the same tick moves the touching point, on a lever of 0.1 m, another 0.1 mm into the bone
+  // a rotation in the same tick moves the touching point by another 0.1 mm into the bone, with a lever of 0.1
+  // m
   after.linear() = Eigen::AngleAxisd(1e-3, Vector3::UnitY()).toRotationMatrix();
   bench.Tick(free_air, before);
   ContactModel model = Plane({0.0, 0.0, 1.0});
@@ -300,8 +303,8 @@ TEST(VirtualCoupling, APlaneThatMovesAwayLowersTheForceAtOnce) {
   EXPECT_NEAR(bench.Tick(model, X_WT).F_T_W.f.z(), 12.0, 1e-9);
 }
 
-// Between two walls closer than the tool no proxy satisfies both planes; new frames of the same walls must
-// not change the force.
+// The tool is between two walls whose distance is smaller than the tool, so no proxy satisfies both planes.
+// New frames of the same walls must not change the force.
 TEST(VirtualCoupling, BetweenWallsTooCloseNewFramesDoNotChangeTheForce) {
   Bench bench;
   ContactModel model = Plane({1.0, 0.0, 0.0});
@@ -322,7 +325,7 @@ TEST(VirtualCoupling, BetweenWallsTooCloseNewFramesDoNotChangeTheForce) {
 TEST(VirtualCoupling, SpindleTorqueActsOnTheToolInProportionToTheForce) {
   Bench bench;
   ContactModel model = Plane({0.0, 0.0, 1.0});
-  model.spindle_torque_Nm = 1.2;  // at the frame's 100 N
+  model.spindle_torque_Nm = 1.2;  // at the frame's force of 100 N
   const CouplingOutput half = bench.Tick(model, At({0.0, 0.0, -2.5e-3}), {}, true);
   EXPECT_TRUE(half.F_T_W.t.isApprox(Vector3(0.0, 0.0, -0.6), 1e-9)) << "50 N";
   EXPECT_TRUE(bench.Tick(model, At({0.0, 0.0, -2.5e-3}), {}, false).F_T_W.t.isZero(0.0)) << "spindle still";
@@ -362,7 +365,7 @@ TEST(VirtualCoupling, AModelThatIsNotCredibleRendersNothingAndReportsWhy) {
             ModelStatus::kDeviceLost);
 }
 
-// The contacts' bytes are overwritten at random, so that any bit pattern may occur.
+// The bytes of the contacts are overwritten at random, so any bit pattern may occur.
 TEST(VirtualCoupling, IsFiniteForModelsOfRandomBits) {
   std::mt19937_64 random(8);
   CouplingState state;

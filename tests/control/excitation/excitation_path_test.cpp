@@ -11,8 +11,8 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the excitation that identifies the arm: the multisine (its spectrum and peak), and the path that
-// strings draws of it together with fades and pauses.
+// Tests the excitation that identifies the arm: the multisine (its spectrum and peak), and the path that
+// connects several random multisines (draws) with fades and pauses.
 
 namespace osteon::control {
 namespace {
@@ -24,7 +24,7 @@ std::vector<double> PeriodOf(const Multisine& motion) {
   return x_m;
 }
 
-// Amplitude of one harmonic of the period, by Fourier's sum.
+// Amplitude of one harmonic in the period, as a Fourier sum.
 double AmplitudeAt(const std::vector<double>& x_m, int harmonic) {
   std::complex<double> sum = 0.0;
   for (int k = 0; k < 4000; ++k)
@@ -53,7 +53,8 @@ TEST(Multisine, HasPowerOnlyOnItsOwnHarmonics) {
 TEST(Multisine, SpeedIsFlatUpTo20HzAndAccelerationAbove) {
   const Multisine motion(1, 0.05);
   for (const MultisineLine& line : motion.lines()) {
-    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;  // the speed / 2 pi
+    // amplitude of the speed, divided by 2 pi
+    const double hz = Multisine::Frequency(line.harmonic), speed = line.amplitude_m * hz;
     const double first_speed = motion.lines()[0].amplitude_m * Multisine::Frequency(3);
     EXPECT_NEAR(speed, first_speed * std::min(1.0, 20.0 / hz), 1e-12) << hz;
   }
@@ -64,7 +65,7 @@ TEST(Multisine, HasTheRequestedPeakSpeedAndASmallCrestFactor) {
     const Multisine motion(seed, 0.05);
     EXPECT_NEAR(motion.peak().v_m_per_s, 0.05, 1e-12);
     EXPECT_LT(motion.peak().v_m_per_s / motion.rms_speed_m_per_s(),
-              2.7);  // the crest factor; with arbitrary random phases it is 3 or more
+              2.7);  // limit of the crest factor; with arbitrary random phases it is 3 or more
     EXPECT_LT(motion.peak().x_m, 0.0035);
     EXPECT_LT(motion.peak().a_m_per_s2, 8.0);
   }
@@ -77,7 +78,7 @@ TEST(ExcitationPath, CountsEachPeriodOfEachDrawAndMovesSmoothly) {
   const ExcitationParams params{.draws = 2, .periods = 2};
   ExcitationPath path(params, 1e-3);
   std::vector<double> x{0.0};
-  int counted[2][2] = {};  // ticks by draw and period
+  int counted[2][2] = {};  // number of ticks for each draw and period
   ExcitationStep step;
   while (step.part != ExcitationPart::kDone) {
     {
@@ -93,9 +94,9 @@ TEST(ExcitationPath, CountsEachPeriodOfEachDrawAndMovesSmoothly) {
   EXPECT_EQ(x.back(), 0.0);
   EXPECT_NEAR(1e-3 * static_cast<double>(x.size()), path.duration_s(), 0.01);
   for (std::size_t k = 2; k < x.size(); ++k) {
-    EXPECT_LT(std::abs(x[k] - x[k - 1]), 0.06e-3);  // at most 60 mm/s, with the cross-fade
+    EXPECT_LT(std::abs(x[k] - x[k - 1]), 0.06e-3);  // at most 60 mm/s, including the cross-fade
     EXPECT_LT(std::abs(x[k] - 2.0 * x[k - 1] + x[k - 2]), 10e-6)
-        << k;  // at most 10 m/s²: no jolt where parts meet
+        << k;  // at most 10 m/s², so there is no jolt between the parts of the path
   }
 }
 

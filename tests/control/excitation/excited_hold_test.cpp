@@ -7,13 +7,13 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the excited hold, which moves a paused arm along the excitation's path and aborts when something
-// goes wrong. The simulated arm follows one tick late; its joint 0 moves the tool along z by 1 m per rad.
+// Tests the excited hold, which moves a paused arm along the excitation's path and aborts if a fault occurs.
+// The simulated arm follows its command one tick later. Its joint 0 moves the tool along z by 1 m per rad.
 
 namespace osteon::control {
 namespace {
 
-// One draw of one period, after a rest of 0.1 s.
+// Parameters with one draw and one period of the excitation, after a rest of 0.1 s.
 ExcitedHoldParams Params() {
   ExcitedHoldParams params{.path = {.draws = 1, .periods = 1, .peak_speed_m_per_s = 0.05}, .wait_s = 0.1};
   params.direction[0] = 1.0;
@@ -33,7 +33,7 @@ class HoldRig {
     tick_.q_hold[1] = tick_.q_meas[1] = 0.7;
   }
 
-  // One tick. @param change  modifies the tick's inputs
+  // Runs one tick. @param change  modifies the tick's inputs
   ExcitedHoldStep Tick(const std::function<void(ExcitedTick&)>& change = {}) {
     ++tick_.sequence;
     ExcitedTick tick = tick_;
@@ -51,8 +51,8 @@ class HoldRig {
     EXPECT_NE(step_.x_m, 0.0);
     return step_;
   }
-  // Ticks with modified inputs until the hold is done, which after an abort means at rest. @returns their
-  // number
+  // Runs ticks with modified inputs until the hold is done; after an abort, that is when the arm is at rest.
+  // @returns the number of ticks
   int TicksToRest(const std::function<void(ExcitedTick&)>& change) {
     int ticks = 0;
     while (!hold_.done() && ticks < 2000) {
@@ -82,7 +82,7 @@ TEST(ExcitedHold, WaitsForThePauseThenMovesAndEndsWhereItBegan) {
   EXPECT_EQ(rig.step_.abort, ExcitationAbort::kNone);
 }
 
-// The arm follows a tick late, so the measured offset y is the commanded offset x of the tick before.
+// The arm follows one tick late, so the measured offset y equals the commanded offset x of the tick before.
 TEST(ExcitedHold, MeasuresTheOffsetAlongTheAxis) {
   HoldRig rig;
   rig.TicksUntilMoving();
@@ -90,7 +90,7 @@ TEST(ExcitedHold, MeasuresTheOffsetAlongTheAxis) {
   EXPECT_NEAR(rig.Tick().y_m, before_m, 1e-15);
 }
 
-// Excites joint 2 alone, with offsets in rad.
+// Parameters that excite joint 2 alone, with offsets in rad.
 ExcitedHoldParams JointParams() {
   ExcitedHoldParams params{
       .path = {.draws = 1, .periods = 1, .peak_speed_m_per_s = 0.15, .max_travel_m = 0.017},
@@ -124,7 +124,7 @@ TEST(ExcitedHold, MovesAndMeasuresOneJointAlone) {
   }
   EXPECT_GT(max_rad, 1e-3);
   EXPECT_LE(max_rad, 0.017);
-  // an error of the joint that the tool's position along z does not show
+  // an error of the joint that does not change the tool's position along z
   tick.q_meas[2] += 0.021;
   ++tick.sequence;
   EXPECT_EQ(hold.Step(tick).abort, ExcitationAbort::kTracking);
@@ -195,7 +195,7 @@ TEST(ExcitedHold, AFewLostAnswersDoNotAbort) {
   HoldRig rig;
   rig.TicksUntilMoving();
   for (std::uint32_t k = 0; k < 3000; ++k)
-    rig.Tick([&](ExcitedTick& tick) { tick.answers_lost = k / 100; });  // 1 %
+    rig.Tick([&](ExcitedTick& tick) { tick.answers_lost = k / 100; });  // 1 % of the answers are lost
   EXPECT_EQ(rig.step_.abort, ExcitationAbort::kNone);
 }
 

@@ -10,8 +10,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/guidance/guidance_parts.h"
 
-// Tests of the guidance field: springs that push the tool back into the corridor (funnel, cone, depth) of a
-// surgical plan.
+// Tests the guidance field: springs that push the tool back into the corridor of a surgical plan. The
+// corridor consists of a funnel, a cone and a depth.
 
 namespace osteon::control {
 namespace {
@@ -28,7 +28,8 @@ TEST(GuidanceField, IsZeroInsideTheCorridor) {
   EXPECT_EQ(field.F_T_W.t, Vector3(0, 0, 0));
 }
 
-// 1 mm too deep, 4 mm aside and tilted by 12°; the cone is free to 8°, the funnel to 1 mm plus its widening.
+// The tool is 1 mm too deep, 4 mm off the axis and tilted by 12°. The cone allows 8°, the funnel 1 mm and its
+// widening.
 TEST(GuidanceField, MeasuresHowFarTheToolIsOutsideTheCorridor) {
   const GuidanceParams params = SomeGuidance();
   const GuidanceField field = EvaluateGuidance(
@@ -46,7 +47,8 @@ TEST(GuidanceField, SpringsEaseInRiseLinearlyAndKeepTheirCap) {
   EXPECT_DOUBLE_EQ(SpringForce(spring, 0.25e-3), 0.5 * 5e3 * 0.25e-3 * 0.25e-3 / 0.5e-3);
   EXPECT_DOUBLE_EQ(SpringForce(spring, 2e-3), 5e3 * 1.75e-3);
   EXPECT_DOUBLE_EQ(SpringForce(spring, 1.0), 40.0);
-  // the potential is the integral of the force; Simpson's rule is exact for each of the force's three pieces
+  // the potential is the integral of the force; Simpson's rule is exact for each of the three pieces of the
+  // force's curve
   double integral = 0.0;
   const double step = 1e-6;
   for (int i = 0; i < 12000; ++i) {
@@ -60,8 +62,8 @@ TEST(GuidanceField, SpringsEaseInRiseLinearlyAndKeepTheirCap) {
   }
 }
 
-// The wrench at rest is minus the potential's gradient, for translations and for rotations about To. Checked
-// by a difference quotient along random motions.
+// The wrench at rest must be minus the gradient of the potential, for translations and for rotations about
+// To. It is compared with a difference quotient along random motions.
 TEST(GuidanceField, WrenchIsMinusThePotentialsGradient) {
   const GuidanceParams params = SomeGuidance();
   std::mt19937 random(39);
@@ -90,8 +92,8 @@ TEST(GuidanceField, WrenchIsMinusThePotentialsGradient) {
   EXPECT_GT(outside, 500);
 }
 
-// At 3 mm too deep: full spring force at rest, damping on the way deeper, and a force that falls to zero at
-// the return's speed of 50 mm/s.
+// The tool is 3 mm too deep. At rest the full spring force acts. A motion deeper adds damping. A motion back
+// reduces the force, to zero at 50 mm/s.
 TEST(GuidanceField, ResistsMotionOutwardAndFadesWithTheSpeedOfReturn) {
   const GuidanceParams params = SomeGuidance();
   const Pose X_WT = PoseAt(params, {.height_m = -3e-3});

@@ -3,7 +3,7 @@
 #include "control/guidance/guidance_field.h"
 #include "kinematics/spatial.h"
 
-// Shared by the tests of the guidance: parameters, and poses of a tool in the corridor.
+// Shared by the tests of the guidance: parameters of a corridor, and poses of a tool in it.
 
 namespace osteon::control {
 
@@ -16,14 +16,14 @@ namespace osteon::control {
   return params;
 }
 
-/// Where a tool is in the corridor.
+/// Place of a tool in the corridor.
 struct CorridorPlace {
-  double height_m{0.0};  ///< of the head's centre over the planned centre
-  double aside_m{0.0};   ///< from the axis
-  double tilt_rad{0.0};  ///< of the feed against the axis
+  double height_m{0.0};  ///< height of the head's centre above the planned centre
+  double aside_m{0.0};   ///< distance from the axis
+  double tilt_rad{0.0};  ///< angle between the feed and the axis
 };
 
-/// Tool pose at this place of the corridor; its feed points into the bone.
+/// Pose of a tool at this place of the corridor. The tool's feed points into the bone.
 [[nodiscard]] inline Pose PoseAt(const GuidanceParams& params, const CorridorPlace& place) {
   const Matrix3 R_WC = RotationFromZTo(params.axis_W);
   Pose X_WT = Pose::Identity();

@@ -13,16 +13,17 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/guidance/guidance_parts.h"
 
-// Tests of the guidance's scale, which never lets the guidance give more energy to the tool than it took, and
-// of the guidance as a whole.
+// Tests the guidance's scale, which ensures that the guidance never gives the tool more energy than it took.
+// Also tests the guidance as a whole.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 1e-3;
 
-// A tool under the admittance law with guidance and a wrench limiter. It measures the energy that the
-// guidance gives to the tool independently, from the rendered wrench and the exact motion.
+// A tool under the admittance law, with guidance and a wrench limiter. The struct also computes the energy
+// that the guidance gives to the tool, independently of the guidance: from the rendered wrench and the exact
+// motion.
 struct GuidedTool {
   explicit GuidedTool(const GuidanceParams& params, const Pose& X_WT) : guidance(params, 0.25, kDt_s) {
     tool.X_WT = X_WT;
@@ -30,8 +31,8 @@ struct GuidedTool {
     law.damping_Ns_per_m.setConstant(30.0);
   }
 
-  // One tick. The limiter serves the bone's wrench first, and the guidance gets what is left. @returns the
-  // rendered sum
+  // Runs one tick. The limiter first admits the bone's wrench; the guidance gets the rest of the limit.
+  // @returns the sum of both rendered wrenches
   Wrench Tick(const Wrench& F_hand, const Wrench& F_bone, double model_fade = 1.0) {
     const Wrench F_before = guidance.scale().F_T_W();
     const double proposed =
@@ -56,7 +57,7 @@ struct GuidedTool {
     step = Scaled(TwistBetween(X_before, tool.X_WT, kDt_s), kDt_s);
     return sum;
   }
-  // Energy given to the tool plus energy still stored: positive would be created from nothing.
+  // Energy given to the tool plus energy still stored [J]. A positive balance would be energy from nothing.
   [[nodiscard]] double Balance_J() const {
     return energy_J + guidance.scale().scale() * guidance.field().potential_J;
   }
@@ -66,18 +67,20 @@ struct GuidedTool {
   AdmittanceParams law;
   AdmittanceState tool;
   Twist step;
-  double energy_J{0.0};  // given to the tool; taken energy beyond the stored one + 0.05 J is forgotten
+  // energy given to the tool; energy taken in beyond the stored energy + 0.05 J is forgotten
+  double energy_J{0.0};
   bool limited{false};
 };
 
-// A wrench whose components are uniform up to max_N and max_Nm.
+// A wrench whose components are uniform between -max and +max (max_N for the force, max_Nm for the torque).
 Wrench RandomWrench(std::mt19937& random, double max_N, double max_Nm) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto vector = [&] { return Vector3(unit(random), unit(random), unit(random)); };
   return {.f = max_N * vector(), .t = max_Nm * vector()};
 }
 
-// Springs with as little damping as Validate accepts, so that only the energy condition keeps them passive.
+// Springs with the least damping that Validate accepts. Then only the energy condition keeps the guidance
+// passive.
 GuidanceParams HardlyDamped() {
   GuidanceParams params = SomeGuidance();
   params.damping_Ns_per_m = params.damping_Nms_per_rad = 0.0;
@@ -86,9 +89,9 @@ GuidanceParams HardlyDamped() {
   return params;
 }
 
-// A random hand moves the tool out of the corridor and back, 1000 times. The bone's force uses up the limit
-// mostly while the tool leaves, so that the guidance's scale is small on the way out and would be large on
-// the way back: without the energy condition, the guidance would give energy in each cycle.
+// A random hand moves the tool out of the corridor and back, 1000 times. Mostly while the tool moves out, the
+// bone's force uses up the limit. So the guidance's scale is small on the way out, and would be large on the
+// way back. Without the energy condition, the guidance would give energy in each cycle.
 void CycleOutAndBack(const GuidanceParams& params) {
   GuidedTool tool(params, PoseAt(params, {.height_m = 5e-3}));
   std::mt19937 random(3927);
@@ -102,7 +105,7 @@ void CycleOutAndBack(const GuidanceParams& params) {
       hand = RandomWrench(random, 60.0, 4.0);
       const Vector3 from_planned =
           tool.tool.X_WT.translation() - PoseAt(params, {.height_m = 3e-3}).translation();
-      hand.f -= 6e3 * from_planned;  // brings the tool back
+      hand.f -= 6e3 * from_planned;  // pulls the tool back to the corridor
       hand.t -= 30.0 * LogRotation(tool.tool.X_WT.linear() * PoseAt(params, {}).linear().transpose());
     }
     if (tick % 5 == 0) {
@@ -146,8 +149,8 @@ TEST(GuidanceScale, ResistsAHandThatLeavesTheCorridor) {
   GuidedTool guided(params, PoseAt(params, {.height_m = 1e-3}));
   const Wrench deeper{.f = -60.0 * params.axis_W};
   for (int i = 0; i < 2000; ++i) guided.Tick(deeper, {});
-  // the hand's 60 N against the depth's spring of 10 N/mm, which has an ease of 0.5 mm: 60/10 + 0.5/2 = 6.25
-  // mm
+  // the hand's 60 N act against the depth spring of 10 N/mm, which rises gradually within the first 0.5 mm
+  // (its ease): 60/10 + 0.5/2 = 6.25 mm
   EXPECT_NEAR(guided.guidance.field().excess.depth_m, 6.25e-3, 0.05e-3);
   EXPECT_EQ(guided.guidance.scale().scale(), 1.0);
   EXPECT_LT(guided.energy_J, 0.0);
@@ -158,11 +161,12 @@ TEST(GuidanceScale, YieldsToTheBonesForce) {
   GuidedTool tool(params, PoseAt(params, {.height_m = 1e-3}));
   for (int i = 0; i < 1000; ++i) tool.Tick({.f = -80.0 * params.axis_W}, {});
   ASSERT_GT(tool.guidance.scale().F_T_W().f.norm(), 70.0);
-  // the bone now needs the whole limit of 200 N, in the same direction
+  // now the bone's force alone reaches the limit of 200 N, in the same direction
   const Wrench sum = tool.Tick({}, {.f = 250.0 * params.axis_W});
   EXPECT_LT(tool.guidance.scale().F_T_W().f.norm(), 0.01);
   EXPECT_LE(sum.f.norm(), 200.0);
-  // the bone lets go: the scale rises over a tenth of a second, so by 0.01 per tick
+  // the bone's force vanishes. The guidance's scale then rises from 0 to 1 within 0.1 s, thus by 0.01 per
+  // tick
   tool.Tick({}, {});
   EXPECT_LE(tool.guidance.scale().scale(), 0.011);
 }

@@ -8,8 +8,8 @@
 #include "control/laws/admittance_law.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the admittance law for a virtual tool whose centre of mass C is away from the tool's origin To:
-// full mass and damping matrices, locked axes, and changes of mass by axis.
+// Tests the admittance law for a virtual tool whose centre of mass C is away from the tool's origin To: full
+// mass and damping matrices, locked axes, and masses that differ by axis.
 
 namespace osteon::control {
 namespace {
@@ -18,7 +18,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kDt_s = 0.001;
 
-// Random vectors and parameters.
+// Draws random vectors and parameters.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}
@@ -43,15 +43,15 @@ class Draw {
   std::mt19937_64 random_;
 };
 
-// Both vectors one above the other.
+// A vector of six: `first` above `second`.
 Vector6d Stacked(const Vector3& first, const Vector3& second) {
   Vector6d both;
   both << first, second;
   return both;
 }
 
-// A^T diag(linear, angular) A at To, computed independently of the code under test. A maps the twist of To to
-// that of C: its columns follow from v + w × c.
+// The matrix A^T diag(linear, angular) A at To, computed independently of the code under test. A maps the
+// twist of To to the twist of C, so its columns follow from v + w × c.
 Matrix6 FullMatrix(const Vector3& linear, const Vector3& angular, const Vector3& c) {
   Matrix6 A;
   for (int i = 0; i < 3; ++i) {
@@ -61,7 +61,7 @@ Matrix6 FullMatrix(const Vector3& linear, const Vector3& angular, const Vector3&
   return A.transpose() * Stacked(linear, angular).asDiagonal() * A;
 }
 
-// Rotation by the vector r [rad], at the origin.
+// A pose that rotates by the vector r [rad] and has no translation.
 Pose Turned(const Vector3& r) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation(r);
@@ -74,7 +74,7 @@ double Energy(const AdmittanceParams& params, const Matrix3& R_WT, const Twist& 
   return 0.5 * V_T.dot(MassMatrix(params) * V_T);
 }
 
-// Oracle: the implicit step solved with dense matrices and Eigen's pivoted LU.
+// Oracle: the implicit step, solved with dense matrices by Eigen's pivoted LU.
 TEST(AdmittanceCentre, EqualsTheSolutionWithDenseMatrices) {
   Draw draw(11);
   for (int run = 0; run < 500; ++run) {
@@ -94,19 +94,19 @@ TEST(AdmittanceCentre, EqualsTheSolutionWithDenseMatrices) {
     Twist next;
     ASSERT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
 
-    // the centre keeps its velocity of the step before, when the tool was turned less
+    // the law keeps the velocity that the centre had one step earlier, when the tool was rotated less
     const Vector3 c_W = R * own.centre_T_m, c_before_W = ExpRotation(-kDt_s * V.w) * c_W;
     const Vector3 v_W = V.v + V.w.cross(c_before_W) - V.w.cross(c_W);
     const Vector6d V_T = Stacked(R.transpose() * v_W, R.transpose() * V.w);
     const Vector6d F_T = Stacked(R.transpose() * F.f, R.transpose() * F.t);
     const Vector6d wanted = (M + kDt_s * D).fullPivLu().solve(M * V_T + kDt_s * F_T);
     const Vector6d found = Stacked(R.transpose() * next.v, R.transpose() * next.w);
-    // the lever and the ratio of mass to inertia give a condition number of about 1e4
+    // the lever, and the ratio of mass to inertia, cause a condition number of about 1e4
     EXPECT_LT((found - wanted).norm(), 1e-11 * wanted.norm()) << "run " << run;
   }
 }
 
-// With the centre at To, the step equals the simple law for each axis, bit for bit.
+// With the centre at To, the step must equal the simple law for each axis, bit for bit.
 TEST(AdmittanceCentre, AtTheOriginEqualsTheLawByAxisBitForBit) {
   Draw draw(12);
   for (int run = 0; run < 200; ++run) {
@@ -134,8 +134,9 @@ TEST(AdmittanceCentre, AtTheOriginEqualsTheLawByAxisBitForBit) {
   }
 }
 
-// A rigid body pushed at its centre C does not turn, and resists with the axis' mass. Pushed at To, a lever L
-// away, it also turns: 1 / m_felt = 1/m + L² / I.
+// A rigid body that is pushed at its centre C does not turn, and resists with the mass m of the axis. If it
+// is pushed at To, at the lever L, it also turns, and its felt mass follows from 1 / m_felt = 1/m + L² / I
+// with the inertia I.
 TEST(AdmittanceCentre, APushAtTheCentreFeelsTheMassAndAtTheApexAlsoTheLever) {
   AdmittanceParams params;
   params.mass_kg = {2.0, 3.0, 7.0};
@@ -162,8 +163,8 @@ TEST(AdmittanceCentre, APushAtTheCentreFeelsTheMassAndAtTheApexAlsoTheLever) {
   EXPECT_NEAR(1.0 / felt_kg, 1.0 / 2.0 + 0.25 * 0.25 / 0.3, 1e-8) << "turns about y";
 }
 
-// A free body that turns about its centre keeps the centre in place, with To on a circle around it, and gains
-// no energy.
+// A free body rotates about its centre. The centre must stay in place while To moves on a circle around it,
+// and the body must not gain energy.
 TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   AdmittanceParams params;
   params.mass_kg.setConstant(3.0);
@@ -173,7 +174,7 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
   params.centre_T_m = {0.05, 0.0, -0.25};
   const Vector3 w(0.4, 1.2, -0.3);
   AdmittanceState state{.X_WT = Turned({0.2, 0.1, 0.0}), .V_WT = {}};
-  // the initial velocity of To belongs to the orientation one step earlier
+  // the law assumes that the velocity of To belongs to the orientation one step earlier
   state.V_WT = {.v = -w.cross(ExpRotation(-kDt_s * w) * (state.X_WT.linear() * params.centre_T_m)), .w = w};
   const Vector3 centre = state.X_WT * params.centre_T_m;
   double energy = 0.5 * 0.15 * w.squaredNorm();
@@ -188,12 +189,13 @@ TEST(AdmittanceCentre, AFreeBodyKeepsItsEnergyAndItsCentreWhileItTurns) {
     state = {.X_WT = IntegratePose(state.X_WT, V, kDt_s), .V_WT = V};
   }
   EXPECT_NEAR(energy, first, 1e-6 * first) << "the drag is 1e-9";
-  // IntegratePose moves To straight ahead instead of along its arc, which shifts the centre by w² c dt² / 2
+  // IntegratePose moves To along a straight line instead of its arc. That shifts the centre by w² c dt² / 2
   // per tick
   EXPECT_LT((state.X_WT * params.centre_T_m - centre).norm(), 1e-3);
 }
 
-// For each axis at C, |v+| <= max(|v|, |F|/b) for any step dt; so the energy has the bound computed below.
+// For each axis at C and any step dt, the speed v+ after the step obeys |v+| <= max(|v|, |F|/b), with the
+// speed v before, the force F and the damping b. This gives the bound of the energy below.
 TEST(AdmittanceCentre, TheEnergyIsBoundedForAnyStep) {
   Draw draw(13);
   for (const double dt_s : {1e-4, 1e-3, 0.1, 10.0}) {
@@ -232,7 +234,7 @@ TEST(AdmittanceCentre, ALockedAxisDoesNotMoveAndPassesNoForceToOtherAxes) {
       EXPECT_TRUE(NextTwist(params, {.X_WT = X_WT, .V_WT = V, .F_T_W = F, .dt_s = kDt_s}, next));
       return next;
     };
-    // a force across the only free axis (z), or a torque, changes nothing
+    // a force across z, the only free axis, or a torque must change nothing
     const Twist plain = next_of({.f = along, .t = Vector3::Zero()});
     const Twist pressed = next_of({.f = along + 80.0 * R.col(0) - 150.0 * R.col(1), .t = draw.Box(20.0)});
     EXPECT_EQ(plain.w, Vector3::Zero());

@@ -9,20 +9,21 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the admittance law: the virtual mass and damping that turn the hand's force into motion of the
-// tool.
+// Tests the admittance law, which turns the hand's force into motion of the virtual tool by the tool's mass
+// and damping.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-// Oracle: v(t) = F/b (1 - exp(-b t/m)), with m and b the default mass and damping.
+// Oracle: the speed after a time t is v(t) = F/b (1 - exp(-b t/m)), with the force F and the default mass m
+// and damping b.
 TEST(AdmittanceLaw, AConstantPushApproachesTheSpeedForceOverDamping) {
   const AdmittanceParams params;
   AdmittanceState state;
   const double dt_s = 1e-5, force_N = 12.0, m_kg = 3.0, b_Ns_per_m = 20.0;
-  double max_error = 0.0;  // [m/s]
+  double max_error = 0.0;  // largest error of the speed [m/s]
   for (int i = 1; i <= 100'000; ++i) {
     ASSERT_TRUE(StepAdmittance(params, {.f = {0.0, force_N, 0.0}, .t = Vector3::Zero()}, dt_s, state));
     const double v = force_N / b_Ns_per_m * (1.0 - std::exp(-b_Ns_per_m * i * dt_s / m_kg));
@@ -75,7 +76,7 @@ TEST(AdmittanceLaw, RotationStaysOrthonormalOverAnHourOfTurning) {
   EXPECT_LT((X_WT.linear() * X_WT.linear().transpose() - Matrix3::Identity()).norm(), 1e-14);
 }
 
-// Oracle: a constant rotation about one axis is one rotation by the summed angle.
+// Oracle: a constant rotation about one axis equals one rotation by the whole angle.
 TEST(AdmittanceLaw, IntegratePoseIsExactForAConstantTurn) {
   Pose X_WT = Pose::Identity();
   const Vector3 w(0.3, -0.2, 0.5);

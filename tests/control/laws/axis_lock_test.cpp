@@ -6,15 +6,15 @@
 
 #include "tests/control/loop/servo_bench.h"
 
-// Tests of locked axes: the correction that leads the tool back to its line or point, and the whole servo
-// loop drilling along one axis.
+// Tests locked axes: the correction that brings the tool back to its line or point, and the whole servo loop
+// drilling along one axis.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-// Locks all axes but this one, so that the tool moves along a line.
+// Locks all axes except this one, so that the tool can only move along a line.
 AdmittanceParams FreeOnlyAlong(int axis) {
   AdmittanceParams params;
   params.locked.fill(true);
@@ -22,8 +22,8 @@ AdmittanceParams FreeOnlyAlong(int axis) {
   return params;
 }
 
-// Each tick adds a small error to the same side, as an imprecise inverse kinematics does: without the lock
-// these errors would add up to 2 mm.
+// Each tick adds a small error to the same side, as an imprecise inverse kinematics does. Without the lock,
+// the errors would add up to 2 mm.
 TEST(AxisLock, SmallErrorsOverALongPathAreCorrectedToOneLine) {
   AdmittanceParams params = FreeOnlyAlong(2);
   params.centre_T_m = {0.0, 0.05, -0.2};
@@ -71,7 +71,8 @@ TEST(AxisLock, TheCorrectionIsSlowAndZeroOnFreeAxes) {
   EXPECT_EQ(none.Correction(X_WT).v, Vector3::Zero());
 }
 
-// With free rotations, the reference turns with the tool, and only the locked position of the centre is held.
+// The rotations are free and the centre's position is locked. The lock must correct only the position of the
+// centre, because its reference turns with the tool.
 TEST(AxisLock, AFreeRotationIsNotCorrected) {
   AdmittanceParams params;
   params.locked = {true, true, true, false, false, false};
@@ -95,8 +96,8 @@ TEST(AxisLock, AFreeRotationIsNotCorrected) {
   EXPECT_LT((X_WT * params.centre_T_m - centre).norm(), 10e-6);
 }
 
-// A hand pushes the tool 60 mm to the plane and back, and pulls up to 40 N to the side: the tool must stay on
-// its line within 10 µm.
+// A hand pushes the tool 60 mm to the plane and back, and at the same time pulls it sideways with up to 40 N.
+// The tool must stay within 10 µm of its line.
 TEST(AxisLock, TheLoopStaysOnItsLineUnderSideForces) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
@@ -120,11 +121,12 @@ TEST(AxisLock, TheLoopStaysOnItsLineUnderSideForces) {
   EXPECT_LT(max_turn_rad, 1e-4);
 }
 
-// The workspace's bound lies across the line at 45°; without the lock the tool would slide along the bound.
+// The workspace's bound crosses the tool's line at 45°. Without the lock, the tool would slide along the
+// bound.
 TEST(AxisLock, AtTheWorkspacesBoundTheToolStopsOnItsLine) {
   ServoParams params = ServoBench::Params();
   params.admittance.locked = {true, true, false, true, true, true};
-  // the axis meets the bound at 45 deg
+  // the free axis meets the bound at 45 deg
   const Matrix3 R = ServoBench::StartPose().linear();
   params.workspace.plane_normal_W = (-R.col(2) + R.col(0)).normalized();
   params.workspace.plane_offset_m =

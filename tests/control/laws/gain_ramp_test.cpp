@@ -7,7 +7,7 @@
 
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the ramp that moves the acting gains to requested ones without creating energy.
+// Tests the ramp that moves the acting gains to the requested gains without creating energy.
 
 namespace osteon::control {
 namespace {
@@ -56,9 +56,9 @@ TEST(GainRamp, StiffnessRisesOnlyWhileNothingPresses) {
   EXPECT_EQ(ramp.now().max_stiffness_N_per_m, 20e3) << "made up for later";
 }
 
-// A hand moves at random in and out of a wall (x > 0), while stiffnesses are requested at random times. The
-// work of the spring is computed exactly for each tick. The hand must never get more energy out of the wall
-// than it put in.
+// A hand moves at random into and out of a wall (x > 0), while stiffnesses are requested at random times. The
+// work of the wall's spring is computed exactly for each tick. The hand must never get more energy out of the
+// wall than it put in.
 TEST(GainRamp, StiffnessNeverMakesEnergy) {
   for (int seed = 1; seed <= 40; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -93,7 +93,7 @@ TEST(GainRamp, StiffnessNeverMakesEnergy) {
   }
 }
 
-// A body coasts without a force while its mass and inertia change at random.
+// A body moves without a force while its mass and inertia change at random. Its kinetic energy must not rise.
 TEST(GainRamp, AChangeOfMassNeverRaisesKineticEnergy) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0.1, 1.0);

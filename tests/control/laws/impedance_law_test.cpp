@@ -8,14 +8,15 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the impedance law: the velocity computed from measured poses, and the wrench of damping and brake.
+// Tests the impedance law: the velocity that is computed from measured poses, and the wrench of damping and
+// brake.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kTick_s = 1e-3;
 
-// Pose at x [m] on the x axis, turned by an angle [rad] about `axis`.
+// Pose at x [m] on the x axis, rotated by an angle [rad] about `axis`.
 Pose At(double x, double angle, const Vector3& axis) {
   Pose X = Pose::Identity();
   X.translation().x() = x;
@@ -60,7 +61,8 @@ TEST(MeasuredTwist, IsZeroAfterAReset) {
   EXPECT_EQ(twist.Step(At(0.5, 0.3, Vector3::UnitX()), kTick_s).v.norm(), 0.0);
 }
 
-// V_allowed is a shortened V, by a random share for each run.
+// The allowed velocity V_allowed is V times a random share from 0 to 1. The damping wrench must never add
+// power to the motion.
 TEST(DampingWrench, DissipatesPowerForAnyAllowedShareOfTheVelocity) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;

@@ -4,15 +4,16 @@
 #include "control/laws/impedance_renderer.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the two renderers, which carry out one tick of the admittance and of the impedance law.
+// Tests the two renderers. One carries out a tick of the admittance law, the other a tick of the impedance
+// law.
 
 namespace osteon::control {
 namespace {
 
 using safety::Limit, safety::LimitSet;
 
-// Both renderers with the parts of the loop that they use. A tick has the tool `depth_m` deep in bone;
-// negative: above the bone.
+// Both renderers, with the parts of the loop that they use. In a tick the tool is `depth_m` deep in bone; a
+// negative depth is above the bone.
 struct Bench {
   explicit Bench(const ServoParams& p)
       : params(p),

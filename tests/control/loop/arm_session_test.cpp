@@ -4,7 +4,8 @@
 
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the session with the arm: its messages, whether it may be commanded, and whether it stands still.
+// Tests the session with the arm: its messages, whether the arm may be commanded, and whether the arm stands
+// still.
 
 namespace osteon::control {
 namespace {
@@ -22,8 +23,8 @@ TEST(ArmSession, IsLostAfterThreeMissedMessagesInARow) {
   EXPECT_TRUE(session.OnMissedMessage()) << "and from then on";
 }
 
-// Two messages with two lost ones between them are three periods apart; counted as one period, the velocity
-// would be three times too high.
+// Two messages with two lost messages between them are three periods apart. If this time counted as one
+// period, the velocity would be three times too high.
 TEST(ArmSession, MeasuresTheTwistOverTheTimeBetweenTwoMessages) {
   ServoParams params;
   params.impedance.twist_filter_s = 0.0;
@@ -71,7 +72,7 @@ TEST(ArmSession, StandsAfterTenMessagesWithoutMotion) {
   };
   for (int i = 0; i < ArmSession::kStandingMessages - 1; ++i) receive(0.0);
   EXPECT_FALSE(session.stands());
-  receive(1e-5);  // 0.01 rad/s: one step of an encoder still counts as standing
+  receive(1e-5);  // 0.01 rad/s, caused by one step of an encoder, must still count as standing
   EXPECT_TRUE(session.stands());
   receive(1e-4);
   EXPECT_FALSE(session.stands());

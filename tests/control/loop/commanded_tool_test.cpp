@@ -6,13 +6,13 @@
 
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the commanded tool: its pose, how it moves by fade × the law's velocity (fade: 0 … 1), and how it
-// brakes.
+// Tests the commanded tool: its pose, its motion at the law's velocity times the fade (0 … 1), and its
+// braking.
 
 namespace osteon::control {
 namespace {
 
-// A tool at the bench's start pose.
+// A commanded tool whose arm is at the bench's start pose.
 CommandedTool Tool(const ServoParams& params) { return {params, Follower(params)}; }
 
 TEST(CommandedTool, ResetToArmPoseTakesTheMeasuredPoseAtRest) {
@@ -42,12 +42,13 @@ TEST(CommandedTool, MovesByFadeTimesTheLawsVelocity) {
   EXPECT_NEAR(tool.V_WT.v.x(), 0.02, 1e-12) << "the law keeps its velocity";
 }
 
-// The braking distance is |v|² / 2a, along the direction of motion.
+// The braking distance must be |v|² / 2a along the direction of motion, with the speed v and the deceleration
+// a.
 TEST(CommandedTool, BrakesToRestAlongItsDirection) {
   const ServoParams params = ServoBench::Params();
   CommandedTool tool = Tool(params);
   tool.fade = 1.0;
-  for (int i = 1; i <= 300; ++i) {  // up to speed
+  for (int i = 1; i <= 300; ++i) {  // accelerates
     tool.V_WT.v = std::min(1.0, i / 250.0) * Vector3(0.06, 0.08, 0.0);
     EXPECT_FALSE(tool.FollowTwist(1.0, true).joints_limited) << i;
   }

@@ -7,14 +7,14 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Tests of gain requests, which another thread makes and a tick of the loop takes over.
+// Tests gain requests. Another thread makes a request, and a tick of the loop takes it over.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
 
-// The bench's gains.
+// The gains of the bench's loop.
 Gains Own() { return GainsOf(ServoBench::Params().admittance, ServoBench::Params().coupling); }
 
 TEST(GainRequests, ATickTakesTheLastRequestOnceAndRampsTheGains) {

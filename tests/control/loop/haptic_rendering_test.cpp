@@ -4,7 +4,7 @@
 
 #include "tests/control/loop/rendering_rig.h"
 
-// Tests of the part of the loop that renders: a tick while the tool is guided by hand.
+// Tests the part of the loop that renders the force, in ticks in which a hand guides the tool.
 
 namespace osteon::control {
 namespace {

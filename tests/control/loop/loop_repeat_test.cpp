@@ -11,20 +11,20 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the repetition: a second loop computes each tick again from its record, and every bit of the
+// Tests LoopRepeat: a second loop computes each tick again from the tick's record, and every bit of the
 // results must be equal.
 
 namespace osteon::control {
 namespace {
 
-// A loop as the bench has it.
+// A loop with the bench's arm and these parameters.
 ServoLoop Loop(const ServoParams& params) {
   return {params, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
           ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
 }
 
-// Applies the events of this tick: a hand, a silent sensor, new gains, a pause, an arm that leaves and
-// returns, a stop.
+// Applies the events of this tick to the bench: a hand, a silent sensor, new gains, a pause, an arm that
+// leaves and returns, or a stop.
 void ApplyEvents(ServoBench& bench, int tick) {
   bench.push_N = 60.0 * std::sin(0.01 * tick);
   bench.sensor_lives = tick < 700 || tick > 712;
@@ -65,7 +65,8 @@ TEST(LoopRepeat, AWholeRunWithAllEventsIsRepeatedIdentically) {
   EXPECT_EQ(second.faults().bits(), bench.loop.faults().bits());
 }
 
-// Each damage changes one recorded result of tick 250 in its last bit; exactly this tick must differ.
+// In each case, the last bit of one recorded result of tick 250 is changed. LoopRepeat must report exactly
+// this tick.
 TEST(LoopRepeat, ADifferenceInTheLastBitOfAnyResultIsFound) {
   const auto flip = [](double& value) {
     value = std::bit_cast<double>(std::bit_cast<std::uint64_t>(value) ^ 1u);
@@ -91,7 +92,8 @@ TEST(LoopRepeat, ADifferenceInTheLastBitOfAnyResultIsFound) {
   }
 }
 
-// The second loop has a mass that differs in the last bit; the difference shows only once the tool moves.
+// The second loop has a mass that differs in the last bit. The difference can be seen only once the tool
+// moves.
 TEST(LoopRepeat, AParameterThatDiffersByOneBitIsFoundOnceTheToolMoves) {
   ServoParams other = ServoBench::Params();
   other.admittance.mass_kg.x() = std::nextafter(other.admittance.mass_kg.x(), 10.0);

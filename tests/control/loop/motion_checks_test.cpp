@@ -6,14 +6,14 @@
 
 #include "tests/control/loop/rendering_rig.h"
 
-// Tests of the checks in each tick of a motion: tracking error, joints, requested pause, hand force.
+// Tests the checks that each tick of a motion makes: tracking error, joints, requested pause, hand force.
 
 namespace osteon::control {
 namespace {
 
 using safety::CellState, safety::Fault;
 
-// Receives a message of the arm in which the tool is error_m away from its command.
+// Receives a message of the arm in which the tool's position deviates by error_m from its command.
 void ReceiveWithError(RenderingRig& rig, double error_m) {
   Pose X_WT = rig.tool.X_WT();
   X_WT.translation().x() += error_m;

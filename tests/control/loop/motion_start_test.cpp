@@ -4,7 +4,7 @@
 
 #include "tests/control/loop/start_rig.h"
 
-// Tests of the start of a motion: its conditions, and the path from the arm's pose to the start.
+// Tests the start of a motion: its conditions, and the path from the arm's pose to the start pose.
 
 namespace osteon::control {
 namespace {
@@ -42,7 +42,7 @@ TEST(MotionStart, AnArmOfAnotherPeriodIsAFault) {
   EXPECT_EQ(rig.supervisor.phase(), Phase::kStopped);
 }
 
-// An arm that is handed over 0.02 rad away from the start is moved there first.
+// The arm is handed over 0.02 rad away from the start pose, so it must first move there.
 TEST(MotionStart, AtTheEndOfThePathRenderingBegins) {
   ServoParams params = ServoBench::Params();
   kinematics::JointVector q = ServoBench::StartJoints();

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the supervisor, which holds the cell's state, its faults and the requests of the operator.
+// Tests the supervisor, which keeps the cell's state, its faults and the operator's requests.
 
 namespace osteon::control {
 namespace {
@@ -55,7 +55,8 @@ TEST(MotionSupervisor, CannotRecoverFromOtherFaultsOrAfterAStopRequest) {
   }
 }
 
-// A motion that is asked to stop on its way to the start counts as aligning until it stands.
+// A stop is requested while the arm moves to the start pose. The phase must remain kAligning until the arm is
+// at rest.
 TEST(MotionSupervisor, AStopOnTheWayToTheStartKeepsThePhaseUntilRest) {
   MotionSupervisor supervisor;
   static_cast<void>(supervisor.Apply(CellEvent::kArmSeen));

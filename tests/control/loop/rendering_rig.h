@@ -6,7 +6,8 @@
 
 namespace osteon::control {
 
-/// A loop's parts for the tests of rendering: those of StartRig, and those that check and render.
+/// The parts of a loop for the tests of rendering: those of StartRig, and in addition the parts that check
+/// and render.
 struct RenderingRig : StartRig {
   explicit RenderingRig(const ServoParams& p = ServoBench::Params()) : StartRig(p) {}
 
@@ -14,7 +15,7 @@ struct RenderingRig : StartRig {
     return {.state = state, .readings = readings, .model = model, .now = now};
   }
 
-  /// Runs at most three ticks of a standing arm until rendering begins. @returns whether it has begun
+  /// Runs ticks of a standing arm until rendering begins, at most three. @returns whether rendering has begun
   bool StartRendering() {
     for (int i = 0; i < 3; ++i) {
       if (!Tick()) continue;

@@ -13,14 +13,14 @@
 #include "base/clock.h"
 #include "servo_bench.h"
 
-// Tests of RunServo, which runs the servo loop in real time with an arm, devices and a recorder until the run
+// Tests RunServo, which runs the servo loop in real time with an arm, devices and a recorder until the run
 // ends.
 
 namespace osteon::control {
 namespace {
 
-// A simulated arm: it sleeps so that a message comes every millisecond, becomes active after `active_after`
-// messages, follows its command at once, and closes the link after `closes_after` messages.
+// A simulated arm. It sleeps so that it delivers one message per millisecond. It becomes active after
+// `active_after` messages, follows its command at once, and closes the link after `closes_after` messages.
 class FakeArm : public ArmLink {
  public:
   explicit FakeArm(int active_after = 3, int closes_after = 1 << 30)
@@ -59,8 +59,8 @@ class FakeArm : public ArmLink {
 
   int received{0}, sent{0};
   bool silent{false};
-  // After so many messages: the arm leaves COMMANDING_ACTIVE and returns to it; the operator asks `loop` for
-  // a recovery, and for a stop.
+  // Numbers of messages after which the arm leaves COMMANDING_ACTIVE and returns to it, and after which the
+  // operator requests a recovery or a stop of `loop`.
   int leaves_after{1 << 30}, returns_after{1 << 30}, recovers_after{1 << 30}, stops_after{1 << 30};
   ServoLoop* loop{nullptr};
   std::atomic<bool> stop{false};
@@ -71,8 +71,8 @@ class FakeArm : public ArmLink {
   rt::Nanoseconds next_;
 };
 
-// The cell's devices and simulation: a hand that pushes along y, and a fresh model of free space at each
-// reading.
+// Simulates the cell's devices and the simulation: a hand that pushes along y, and a new contact model of
+// free space at each reading.
 class FakeWorld : public CellDevices {
  public:
   explicit FakeWorld(rt::LatestValue<simulation::ContactModel>& models) : models_(models) {}
@@ -89,14 +89,14 @@ class FakeWorld : public CellDevices {
     return {.force = {.stamp = now, .F_S = ServoBench::OnTheSensor(F_T_W, ServoBench::StartPose())}};
   }
   int frames_left{1'000'000};
-  int stands_still_at{-1};  ///< number of the reading, from 1, before which the thread is suspended for 4 ms
+  int stands_still_at{-1};  ///< number of the reading (from 1) before which the thread is suspended for 4 ms
 
  private:
   rt::LatestValue<simulation::ContactModel>& models_;
   simulation::ContactModel model_;
 };
 
-// Keeps up to 20 000 ticks, and refuses further ones.
+// Keeps up to 20 000 ticks and refuses all further ticks.
 class FakeRecorder : public TickRecorder {
  public:
   FakeRecorder() { records.reserve(20'000); }
@@ -108,7 +108,8 @@ class FakeRecorder : public TickRecorder {
   std::vector<TickRecord> records;
 };
 
-// A loop with all that it runs with; `second` is a loop of the same parameters that repeats its ticks.
+// A loop and everything that it needs to run. `second` has the same parameters and repeats the ticks of
+// `loop`.
 struct Rig {
   ServoLoop loop{ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                  ServoBench::Arm().ArmAngle(ServoBench::StartJoints())};
@@ -139,14 +140,14 @@ TEST(RunServo, RunsItsSecondsThenStopsInOrderAndAnswersEveryMessage) {
   EXPECT_EQ(rig.recorder.records.back().phase, Phase::kStopped);
   EXPECT_EQ(result.wakeup.count(), static_cast<std::uint64_t>(arm.received));
   EXPECT_EQ(result.period.count(), result.statistics.active_ticks - 1);
-  // the fake arm's stamps are exactly 1 ms apart, however late the machine wakes up: only the histogram's bin
-  // remains as an error
+  // the fake arm's time stamps are exactly 1 ms apart, however late the machine wakes the thread. The only
+  // error is the width of the histogram's bin
   EXPECT_NEAR(1e9 / static_cast<double>(result.period.Quantile(0.5)), 1000.0, 5.0);
   EXPECT_EQ(rig.commands.Load().stamp, rig.loop.tool_command().stamp);
 }
 
-// The thread is suspended after its wake-up, so that the reading's stamp is later than the wake-up. It must
-// count as fresh, not as a reading of the future.
+// The thread is suspended after its wake-up, so the reading's time stamp is later than the wake-up. The
+// reading must still count as fresh, and not as one from the future.
 TEST(RunServo, AThreadSuspendedBeforeItsReadingTakesTheReadingAsFresh) {
   Rig rig;
   FakeArm arm;
@@ -158,7 +159,7 @@ TEST(RunServo, AThreadSuspendedBeforeItsReadingTakesTheReadingAsFresh) {
   for (const TickRecord& tick : rig.recorder.records) EXPECT_LT(tick.sensor_age_s, 0.1) << tick.tick;
 }
 
-// After the stop, the run goes on for at_rest_s, which records the arm at rest.
+// After the stop, the run must continue for at_rest_s, to record the arm at rest.
 TEST(RunServo, AfterTheStopTheArmAtRestIsRecordedForTheGivenTime) {
   for (const double rest_s : {0.0, 0.1}) {
     Rig rig;
@@ -177,8 +178,8 @@ TEST(RunServo, AfterTheStopTheArmAtRestIsRecordedForTheGivenTime) {
   }
 }
 
-// The rest time is 100 ns. It begins with the first tick outside stop 0. If the arm stays in stop 0, the wait
-// ends after 4 times the rest time.
+// The rest time is set to 100 ns. It begins with the first tick that is not in stop category 0. If the arm
+// stays in category 0, the wait must end after 4 times the rest time.
 TEST(RestTime, BeginsAtRestAndGivesUpOnAnArmNeverSeenToStand) {
   using safety::CellState;
   RestTime seen(100);
@@ -217,7 +218,7 @@ TEST(RunServo, RepeatsEachTickAndWarmsUpTheLinkBeforeTheNext) {
 TEST(RunServo, ATickWhoseRepetitionDiffersEndsTheRun) {
   Rig rig;
   ServoParams other = ServoBench::Params();
-  other.admittance.mass_kg.y() *= 1.0 + 1e-15;  // the hand pushes along y
+  other.admittance.mass_kg.y() *= 1.0 + 1e-15;  // the mass along y, because the hand pushes along y
   ServoLoop differs(other, ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                     ServoBench::Arm().ArmAngle(ServoBench::StartJoints()));
   FakeArm arm;
@@ -227,8 +228,8 @@ TEST(RunServo, ATickWhoseRepetitionDiffersEndsTheRun) {
   EXPECT_EQ(rig.loop.phase(), Phase::kStopped);
 }
 
-// When so many records wait in the recorder that some will soon be lost, the cell stops in the next tick. The
-// second loop repeats the ticks with the same inputs, so it finds no difference.
+// When the recorder has so many waiting records that some will soon be lost, the cell must stop in the next
+// tick. The second loop repeats the ticks with the same inputs, so it must find no difference.
 TEST(RunServo, AStalledRecorderEndsTheRun) {
   constexpr std::size_t kSeen = 300;
   struct Stalls : FakeRecorder {
@@ -249,7 +250,7 @@ TEST(RunServo, AStalledRecorderEndsTheRun) {
   EXPECT_EQ(recorder.records[kSeen].faults, static_cast<std::uint32_t>(safety::Fault::kRecorder));
 }
 
-// A recorder that refuses a tick stops the cell too.
+// The cell must also stop if the recorder refuses a tick.
 TEST(RunServo, AFullRecorderEndsTheRun) {
   struct Full : FakeRecorder {
     bool Push(const TickRecord& record) OSTEON_RT override {

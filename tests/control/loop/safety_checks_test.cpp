@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the checks on devices, hand force and coupling that lead to faults.
+// Tests the checks of devices, hand force and coupling that may raise faults.
 
 namespace osteon::control {
 namespace {
@@ -20,7 +20,7 @@ ServoParams WithDevices() {
   return params;
 }
 
-// Fresh readings of all devices, without a fault.
+// Fresh readings of all devices. No device reports a fault.
 CellReadings GoodReadings() {
   CellReadings readings;
   readings.force.stamp = kNow;
@@ -29,7 +29,7 @@ CellReadings GoodReadings() {
   return readings;
 }
 
-// Checks of a rendering that began long ago, so that every device must have reported by now.
+// The checks of a loop that has rendered for a long time, so that every device must have reported.
 SafetyChecks Checks(const ServoParams& params) {
   SafetyChecks checks(params, 200.0);
   checks.OnRenderingStarted(0);

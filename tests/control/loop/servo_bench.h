@@ -7,8 +7,8 @@
 
 namespace osteon::control {
 
-/// A servo loop in virtual time with simulated partners: an arm that follows its command a tick later, a
-/// simulation of bone with one plane ahead of the tool, and a hand that pushes with a given force.
+/// A servo loop in virtual time with three simulated partners: an arm that follows its command one tick
+/// later, a simulation of bone with one plane ahead of the tool, and a hand that pushes with a given force.
 class ServoBench {
  public:
   static constexpr rt::Nanoseconds kTick = rt::kMillisecond;
@@ -36,7 +36,7 @@ class ServoBench {
     return params;
   }
 
-  /// @param plane_ahead_m  distance from the apex at the start to the bone's plane, along the feed
+  /// @param plane_ahead_m  distance along the feed from the apex at the start to the bone's plane
   explicit ServoBench(const ServoParams& params = Params(), double plane_ahead_m = 0.005)
       : loop(params, Arm(), Pose::Identity(), FlangeToTool(), Arm().ArmAngle(StartJoints())) {
     Eigen::Map<kinematics::JointVector>(arm.q_meas.data()) = StartJoints();
@@ -47,7 +47,7 @@ class ServoBench {
     plane_W = StartPose().translation() + plane_ahead_m * feed_W;
   }
 
-  /// One tick. The arm's joints follow the previous tick's command.
+  /// Runs one tick. The arm's joints follow the command of the previous tick.
   TickRecord Tick(ReceiveResult received = ReceiveResult::kOk) {
     now += kTick;
     if (received == ReceiveResult::kOk) {
@@ -70,19 +70,19 @@ class ServoBench {
     return record;
   }
 
-  /// Runs ticks. @returns the last one's record
+  /// Runs this number of ticks. @returns the record of the last tick
   TickRecord Run(int count) {
     TickRecord record;
     for (int i = 0; i < count; ++i) record = Tick();
     return record;
   }
 
-  /// Tool pose by the arm's joints.
+  /// Pose of the tool, computed from the arm's joints.
   [[nodiscard]] Pose ToolNow() const {
     return arm_.FlangePose(Eigen::Map<const kinematics::JointVector>(arm.q_meas.data())) * FlangeToTool();
   }
 
-  /// The reading of a force sensor at the flange, in the flange's frame, when this wrench acts on the tool.
+  /// The reading of a force sensor at the flange, in the flange's frame, if this wrench acts on the tool.
   static Wrench OnTheSensor(const Wrench& F_T_W, const Pose& X_WT) {
     const Pose X_WF = X_WT * FlangeToTool().inverse();
     const Vector3 lever_W = X_WT.translation() - X_WF.translation();
@@ -90,7 +90,7 @@ class ServoBench {
             .t = X_WF.linear().transpose() * (F_T_W.t + lever_W.cross(F_T_W.f))};
   }
 
-  /// The arm's controller starts to follow commands.
+  /// The arm's controller begins to follow the loop's commands.
   void Activate() { arm.session = SessionState::kCommandingActive; }
 
   /// Depth of the commanded apex behind the bone's plane [m]; negative: in front of it.
@@ -105,20 +105,21 @@ class ServoBench {
   simulation::ContactModel model;
   simulation::ToolCommand last_command;
   rt::Nanoseconds now{rt::kSecond};
-  int ticks{0}, frame_ticks{2};  ///< ticks so far; ticks per frame of the simulation
-  double push_N{0.0};            ///< the hand's force along the feed; side_W_N is added
+  int ticks{0}, frame_ticks{2};  ///< number of ticks so far; number of ticks for one frame of the simulation
+  double push_N{0.0};            ///< force of the hand along the feed; side_W_N acts in addition
   Vector3 side_W_N{Vector3::Zero()};
-  bool sensor_lives{true}, simulation_lives{true};  ///< false: no new reading, no new frame
-  double reach_m{10.0};          ///< largest gap to the tool at which a frame has the plane
-  bool arm_moves{true};          ///< false: the arm stays in place whatever is commanded
-  bool one_frame_behind{false};  ///< a frame arrives when the next one begins
+  /// false: no new reading of the sensor, no new frame of the simulation
+  bool sensor_lives{true}, simulation_lives{true};
+  double reach_m{10.0};          ///< largest distance to the tool at which a frame contains the plane
+  bool arm_moves{true};          ///< false: the arm stays in place in spite of commands
+  bool one_frame_behind{false};  ///< true: a frame is delivered only when the next frame begins
   Vector3 feed_W, plane_W;
 
  private:
   kinematics::LbrArm arm_{Arm()};
   bool answered_{false};
 
-  // Makes the frame of the previous tick's command.
+  // Computes the frame for the command of the previous tick.
   void Simulate() {
     simulation::ContactModel frame;
     frame.frame = static_cast<std::uint64_t>(ticks + 1);
@@ -132,7 +133,7 @@ class ServoBench {
     in_work_ = frame;
   }
 
-  simulation::ContactModel in_work_;  // the latest frame, not yet delivered if one_frame_behind
+  simulation::ContactModel in_work_;  // latest frame; with one_frame_behind, it is not yet delivered
 };
 
 }  // namespace osteon::control

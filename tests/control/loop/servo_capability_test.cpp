@@ -1,5 +1,5 @@
-// Tests of a requirement: the loop renders no wrench that the arm's joint torques can't hold in its present
-// posture.
+// Tests the requirement that the loop renders no wrench that the arm's joint torques can't hold in the arm's
+// present posture.
 
 #include <gtest/gtest.h>
 
@@ -13,12 +13,12 @@ namespace {
 
 using kinematics::JointVectorN;
 
-// Torque limits of A2, the joint that carries most of the hand's push: sufficient for the push, and too small
-// for it.
+// Torque limits of joint A2, which carries most of the hand's push. The first is sufficient for the push, the
+// second is not.
 constexpr double kStrong_Nm = 320.0, kWeak_Nm = 110.0;
 
-// The bench's arm with links of 4 kg (in the long ones at the middle), a tool of 2 kg, and this torque limit
-// of A2.
+// The bench's arm with this torque limit of A2. Each link has 4 kg, in a long link at its middle, and the
+// tool has 2 kg.
 kinematics::ChainParams<7> Body(double shoulder_Nm) {
   const kinematics::LbrParams lbr = kinematics::Iiwa14();
   const Vector3 y = Vector3::UnitY(), z = Vector3::UnitZ();
@@ -41,7 +41,7 @@ kinematics::ChainParams<7> Body(double shoulder_Nm) {
       chain, {.mass_kg = 2.0, .p_LLcm_m = {0.0, 0.0, 0.08}, .I_LLcm_kg_m2 = 0.004 * Matrix3::Identity()});
 }
 
-// @param body  the arm's masses and torque limits; without it, the loop does not limit by torque
+// @param body  masses and torque limits of the arm; nothing: the loop does not limit by torque
 ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;
@@ -49,8 +49,8 @@ ServoParams Params(std::optional<kinematics::ChainParams<7>> body) {
   return params;
 }
 
-// Largest ratio of a joint's torque to its limit, while the arm at rest in this posture exerts the record's
-// wrench at the tool. Computed by the dynamics of the chain.
+// Largest ratio of a joint's torque to its limit, computed by the dynamics of the chain. The arm is at rest
+// in this posture and exerts the record's coupling wrench at the tool.
 double MaxTorqueRatio(const kinematics::ChainParams<7>& body, const JointArray& joints,
                       const TickRecord& record) {
   const kinematics::SerialChain<7> chain(body);
@@ -67,11 +67,12 @@ double MaxTorqueRatio(const kinematics::ChainParams<7>& body, const JointArray& 
 }
 
 struct PressResult {
-  double max_torque_ratio{0.0};  ///< largest ratio of a torque to its limit, over the run
-  double off_direction{0.0};     ///< largest sine of the angle between the limited force and the feed
+  double max_torque_ratio{0.0};  ///< largest ratio of a joint's torque to its limit during the run
+  /// largest sine of the angle between the limited force and the feed direction
+  double off_direction{0.0};
   int limited_ticks{0}, ticks{0};
   TickRecord last;
-  safety::LimitCount arm;  ///< how often the arm's torque was the limit
+  safety::LimitCount arm;  ///< how often the arm's torque limited the wrench
 };
 
 // A hand presses the tool against the plane with 150 N for 1.5 s.
@@ -81,7 +82,7 @@ PressResult Press(const ServoParams& params, const kinematics::ChainParams<7>& b
   bench.push_N = 150.0;
   PressResult pressed;
   for (int i = 0; i < 1500; ++i) {
-    // the wrench is computed for the posture before this tick's motion
+    // the tick computes its wrench for the posture before its own motion
     const JointArray posture = bench.command.q;
     pressed.last = bench.Tick();
     if (pressed.last.phase != Phase::kHaptic) continue;
@@ -134,13 +135,13 @@ TEST(ServoCapability, DoesNotAllocate) {
 
 struct LeadResult {
   double load_at_start{0.0},
-      load_at_end{0.0};       ///< load that the posture holds, as a ratio to the wanted load
+      load_at_end{0.0};       ///< load that the last posture can hold, as a ratio to the wanted load
   std::vector<Vector3> path;  ///< tool position of each tick [m]
 };
-// A hand leads the tool to and fro in free air for 18 s. The wanted load is the one that the start posture
-// just holds.
-// @param load_speed_rad_per_s  speed at which the elbow turns toward postures that hold more; 0: it does not
-// turn
+// A hand moves the tool to and fro in free air for 18 s. The wanted load is the largest load that the start
+// posture can hold.
+// @param load_speed_rad_per_s  speed at which the elbow turns toward postures that can hold more; 0: the
+// elbow does not turn
 LeadResult LeadToAndFro(double load_speed_rad_per_s) {
   const kinematics::ChainParams<7> body = Body(kStrong_Nm);
   kinematics::LoadTarget<7> wanted;

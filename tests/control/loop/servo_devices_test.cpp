@@ -2,14 +2,15 @@
 
 #include "servo_bench.h"
 
-// Tests of how the loop depends on force sensor, spindle drive and PLC: what it waits for, and what stops it.
+// Tests how the loop depends on force sensor, spindle drive and PLC: which of them it waits for, and which of
+// their faults stop it.
 
 namespace osteon::control {
 namespace {
 
 using safety::Fault;
 
-// A cell with a drive and a PLC, both in order and permitting unless a test changes them.
+// A cell with a drive and a PLC. Unless a test changes that, both are in order and permit motion.
 class ServoDevices : public ::testing::Test {
  protected:
   static ServoParams Params() {
@@ -19,7 +20,7 @@ class ServoDevices : public ::testing::Test {
     return params;
   }
 
-  // A tick with fresh readings of the devices that live.
+  // Runs one tick. Each device that is alive has a fresh reading.
   TickRecord Tick() {
     const rt::Nanoseconds now = bench.now + ServoBench::kTick;
     if (spindle_lives) spindle.stamp = now;
@@ -33,14 +34,14 @@ class ServoDevices : public ::testing::Test {
     for (int i = 0; i < count; ++i) record = Tick();
     return record;
   }
-  // Renders with a hand that pushes into the plane.
+  // Starts rendering with a hand that pushes the tool into the plane.
   void Render() {
     bench.Activate();
     bench.push_N = 60.0;
     Run(600);
     ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
-  // Expects a stop with this fault: the tool brakes and stands within 200 ms, and the spindle is off.
+  // Expects that this fault stops the cell: the tool is at rest within 200 ms, and the spindle is off.
   void ExpectStop(Fault fault) {
     Tick();
     EXPECT_NE(bench.loop.phase(), Phase::kHaptic);
@@ -98,8 +99,8 @@ TEST_F(ServoDevices, APermissionOfASilentPlcDoesNotCount) {
   EXPECT_EQ(bench.loop.phase(), Phase::kWaiting);
 }
 
-// clear_faults lets the drive reset its faults: before the first motion and during a recovery, never in
-// between.
+// The command clear_faults lets the drive reset its faults. The loop may set it before the first motion and
+// during a recovery, and at no other time.
 TEST_F(ServoDevices, TheDrivesFaultsAreClearedOnlyBeforeTheFirstMotionAndInARecovery) {
   EXPECT_TRUE(bench.loop.cell_commands().clear_faults);
   spindle.fault = true;

@@ -1,5 +1,5 @@
-// Tests of the reactions to a hand that pushes harder than the coupling's force limit, and of the limits on
-// the energy and power that the coupling gives back.
+// Tests the reactions to a hand that pushes harder than the coupling's force limit. Also tests the limits on
+// the energy and power that the coupling gives back to the hand.
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +25,8 @@ ServoParams Limited(OnForceLimit reaction) {
   return params;
 }
 
-// Pushes into the plane with a force that rises to 120 N, for 3 s.
-// @returns the largest depth beyond the depth at which the limit is reached [m]
+// Pushes the tool into the plane for 3 s, with a force that rises to 120 N.
+// @returns how much deeper the tool gets than the depth at which the force limit is reached [m]
 double DepthBeyondLimit(ServoBench& bench) {
   const double at_limit_m = kLimit_N / ServoBench::Params().coupling.max_stiffness_N_per_m;
   bench.Run(5);
@@ -75,15 +75,17 @@ TEST(ServoForceLimit, AToolTooDeepInBoneStopsWithEveryReaction) {
   }
 }
 
-// Work of the coupling, computed independently: its recorded force times the commanded motion of the tool.
+// Work of the coupling, computed independently of the loop: the recorded force times the commanded motion of
+// the tool.
 class CouplingWork {
  public:
-  // Adds a tick. Its force acts at the tool's previous pose, and the motion leads from there to the recorded
-  // pose.
+  // Adds a tick. The tick's force acts at the tool's previous pose. The motion of the tick leads from that
+  // pose to the recorded pose.
   void Add(const TickRecord& record) {
     const Wrench F = record.F_coupling_T_W;
     if (begun_) {
-      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));  // mean force of the previous step's ends
+      // uses the mean of the forces at both ends of the previous step
+      sum_J_ += 0.5 * (Power(F_before_, step_) + Power(F, step_));
       min_J_ = std::min(min_J_, sum_J_);
       step_ = SmallStep(X_before_, Pose(record.X_WT_cmd));
     }
@@ -91,9 +93,9 @@ class CouplingWork {
     begun_ = true;
     X_before_ = record.X_WT_cmd;
   }
-  // Work of the last tick's force on the step that it caused.
+  // Work that the force of the last tick does on the step that it caused.
   [[nodiscard]] double step_J() const { return Power(F_before_, step_); }
-  // Energy given back since the coupling had taken the most.
+  // Energy given back since the moment at which the coupling had taken in the most.
   [[nodiscard]] double GivenBack_J() const { return sum_J_ - min_J_; }
 
  private:
@@ -113,13 +115,13 @@ TEST(ServoEnergyLimit, TheCouplingGivesBackNoMoreThanTheEnergyLimit) {
   bench.Run(5);
   bench.Activate();
   CouplingWork work;
-  for (int i = 0; i < 1500; ++i) {  // far into bone
+  for (int i = 0; i < 1500; ++i) {  // pushes far into the bone
     bench.push_N = std::min(130.0, 1.0 * i);
     work.Add(bench.Tick());
   }
   ASSERT_GT(bench.Depth(), 0.03);
   ASSERT_FALSE(bench.loop.faults().Any());
-  for (int i = 0; i < 6000 && bench.Depth() > 0.0; ++i) {  // led out slowly
+  for (int i = 0; i < 6000 && bench.Depth() > 0.0; ++i) {  // pulled out slowly
     bench.push_N = -2.0;
     work.Add(bench.Tick());
   }
@@ -138,7 +140,7 @@ TEST(ServoPowerLimit, NoTickExceedsThePowerLimit) {
     CouplingWork work;
     double max_W = 0.0;
     for (int i = 0; i < 3000; ++i) {
-      // pressed and released suddenly, repeatedly
+      // the hand presses and releases suddenly, again and again
       bench.push_N = i % 600 < 400 ? std::min(150.0, 1.0 * (i % 600)) : -20.0;
       work.Add(bench.Tick());
       max_W = std::max(max_W, work.step_J() / 1e-3);

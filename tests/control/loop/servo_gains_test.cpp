@@ -7,7 +7,7 @@
 #include "control/loop/loop_repeat.h"
 #include "servo_bench.h"
 
-// Tests of gains that change while the loop renders.
+// Tests changes of gains while the loop renders.
 
 namespace osteon::control {
 namespace {
@@ -27,8 +27,8 @@ struct PressedRun {
   std::vector<simulation::ContactModel> models;
 };
 
-// A hand presses onto the plane with 60 N for 6 s, then pulls back. Another thread requests softer gains
-// after 2 s, and the first gains again after 4 s.
+// A hand presses the tool onto the plane with 60 N for 6 s, then pulls back. Another thread requests softer
+// gains after 2 s, and the original gains after 4 s.
 PressedRun Press() {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(100.0);
@@ -62,7 +62,7 @@ TEST(ServoGains, AChangeUnderForceCausesNoStepAndNoFault) {
   EXPECT_EQ(run.ticks[2000].input.gains.max_stiffness_N_per_m, 8e3);
   EXPECT_FALSE(run.ticks[2001].input.has_gains) << "in the tick that took them";
 
-  // at rest the spring carries the push: d = F / K
+  // at rest the spring carries the push: depth = push / stiffness
   const ServoBench bench;
   const auto depth = [&](std::size_t tick) {
     return bench.feed_W.dot(Pose(run.ticks[tick].X_WT_cmd).translation() - bench.plane_W);
@@ -73,7 +73,7 @@ TEST(ServoGains, AChangeUnderForceCausesNoStepAndNoFault) {
   EXPECT_LT(depth(6990), 0.0);
 }
 
-// Two runs are compared bit for bit, and a third loop replays the first run from its records.
+// Compares two runs bit for bit. A third loop replays the first run from its records.
 TEST(ServoGains, ARunWithChangedGainsIsRepeatableAndReplayable) {
   const PressedRun once = Press(), twice = Press();
   ServoParams params = ServoBench::Params();
@@ -93,14 +93,14 @@ TEST(ServoGains, ARunWithChangedGainsIsRepeatableAndReplayable) {
   }
 }
 
-// A tool coasts with hardly any damping while its mass rises from 3 to 12 kg: with the same energy it has
-// half the speed.
+// A tool moves freely with hardly any damping while its mass rises from 3 to 12 kg. With the same energy, it
+// then has half the speed.
 TEST(ServoGains, ACoastingToolThatGetsHeavierSlowsDown) {
   ServoParams params = ServoBench::Params();
   params.admittance.damping_Ns_per_m.setConstant(1e-3);
   ServoBench bench(params, 0.5);
   bench.Activate();
-  bench.Run(200);  // the coupling has faded in
+  bench.Run(200);  // until the coupling has faded in
   bench.push_N = -6.0;
   bench.Run(50);
   bench.push_N = 0.0;

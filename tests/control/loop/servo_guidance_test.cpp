@@ -8,14 +8,15 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_parts.h"
 
-// Tests of the guidance along a surgical plan in the servo loop.
+// Tests the guidance along a surgical plan, in the servo loop.
 
 namespace osteon::control {
 namespace {
 
-constexpr double kHead_m = 0.022;  // radius of the head: its centre lies this far behind the apex
+constexpr double kHead_m = 0.022;  // radius of the head; its centre lies this far behind the apex
 
-// A plan along the feed of the start pose, in which the head's centre is `height_m` above its planned end.
+// A plan along the feed of the start pose. At the start, the head's centre is `height_m` above its planned
+// end.
 GuidanceParams PlanAhead(double height_m) {
   GuidanceParams guidance;
   const Pose X_WT = ServoBench::StartPose();
@@ -33,7 +34,7 @@ ServoParams GuidedParams(double height_m = 2e-3) {
   return params;
 }
 
-// An active bench in free air: the bone's plane is 0.5 m ahead.
+// A bench whose arm is active, with the tool in free air: the bone's plane is 0.5 m ahead.
 struct FreeAirBench : ServoBench {
   explicit FreeAirBench(const ServoParams& params) : ServoBench(params, 0.5) { Activate(); }
 };
@@ -45,7 +46,7 @@ TEST(ServoGuidance, HoldsBackAHandThatPushesTooDeep) {
   EXPECT_EQ(record.phase, Phase::kHaptic);
   ASSERT_TRUE(record.guidance.present);
   EXPECT_EQ(record.guidance.share, 1.0);
-  // 40 N / (10 N/mm) + half of the ease of 0.5 mm
+  // 40 N / (10 N/mm), plus half of the spring's ease of 0.5 mm
   EXPECT_NEAR(record.guidance.depth_m, 4.25e-3, 0.05e-3);
   EXPECT_NEAR(Vector3(record.guidance.F_T_W.f).norm(), 40.0, 0.5);
   EXPECT_EQ(Vector3(record.F_coupling_T_W.f), Vector3(record.guidance.F_T_W.f)) << "nothing else acts";
@@ -196,8 +197,8 @@ TEST(ServoGuidance, AChangeOfToolBringsTheNextReamersGuidanceAndKeepsTheGain) {
   EXPECT_FALSE(change(2).guidance.present);
 }
 
-// Random poses, velocities and depths of bone under both laws: coupling and guidance together stay within the
-// cell's limits of force and torque.
+// With random poses, velocities and depths in bone, under both laws: the sum of coupling and guidance must
+// stay within the cell's limits of force and torque.
 class GuidedPipeline : public testing::TestWithParam<Law> {};
 INSTANTIATE_TEST_SUITE_P(, GuidedPipeline, testing::Values(Law::kAdmittance, Law::kImpedance),
                          [](const auto& law) {

@@ -1,5 +1,5 @@
-// Tests of how the loop treats input values that are missing, late, or have a stamp of the future or the
-// past.
+// Tests how the loop treats inputs that are missing or late, or whose time stamp lies in the future or far in
+// the past.
 
 #include <limits>
 
@@ -12,15 +12,15 @@ namespace {
 
 using safety::Fault;
 
-// The simulation takes the first pose that it gets as free of bone. So that pose must be the tool's, and not
-// the world's origin.
+// The simulation assumes that the first pose it gets is free of bone. So this pose must be the tool's pose,
+// and not the origin of the world.
 TEST(ServoInput, TheSimulationGetsNoPoseBeforeTheArmReportsOne) {
   ServoBench bench;
   for (int i = 0; i < 10; ++i) bench.Tick(ReceiveResult::kTimeout);
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "no message yet";
   const JointArray q = bench.arm.q_meas;
   bench.arm.session = SessionState::kIdle;
-  bench.arm.q_meas = {};  // an idle arm need not report its position
+  bench.arm.q_meas = {};  // an idle arm need not report its joint positions
   bench.arm.has_ipo = false;
   bench.Tick();
   EXPECT_EQ(bench.loop.tool_command().stamp, 0) << "idle";
@@ -33,13 +33,13 @@ TEST(ServoInput, TheSimulationGetsNoPoseBeforeTheArmReportsOne) {
   EXPECT_LT((Pose(record.X_WT_cmd).matrix() - ServoBench::StartPose().matrix()).norm(), 1e-9);
 }
 
-// A frame has only planes within 0.25 mm of the tool (CuttingParams). A plane farther away appears in a later
-// frame, when the tool may already be inside the bone. The step of force must then stay below the trip on the
-// wrench's rate.
+// A frame contains only planes within 0.25 mm of the tool (CuttingParams). A plane that is farther away
+// appears in a later frame, when the tool may already be inside the bone. The sudden change of force must
+// then stay below the trip on the wrench's rate.
 TEST(ServoInput, BoneThatAppearsBetweenFramesCausesNoFault) {
   for (const bool one_frame_behind : {false, true})
     for (const int frame_ticks : {1, 2, 3, 5, 8}) {
-      // distances in steps of 0.1 mm, so that the contact happens at different times within a frame
+      // distances in steps of 0.1 mm, so that the first contact occurs at different times within a frame
       for (double ahead_m = 0.020; ahead_m < 0.0221; ahead_m += 0.0001) {
         ServoBench bench(ServoBench::Params(), ahead_m);
         bench.reach_m = simulation::CuttingParams{}.normal_enlargement_m;
@@ -57,7 +57,7 @@ TEST(ServoInput, BoneThatAppearsBetweenFramesCausesNoFault) {
     }
 }
 
-// The loop turns speeds into steps by the cell's period: an arm with five times the message rate would move
+// The loop multiplies speeds by the cell's period. An arm that sends five times as many messages would move
 // five times as fast.
 TEST(ServoInput, AnArmWhosePeriodDiffersFromTheCellsIsNotMoved) {
   for (const double period_s : {0.001, 0.010, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -74,7 +74,7 @@ TEST(ServoInput, AnArmWhosePeriodDiffersFromTheCellsIsNotMoved) {
   }
 }
 
-// The records' stamps must go on while the arm is silent, and must begin when the loop begins.
+// The records' time stamps must continue while the arm is silent, and must begin when the loop begins.
 TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
   ServoBench bench;
   EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "before the first message";
@@ -82,7 +82,8 @@ TEST(ServoInput, ATickWithoutAMessageIsRecordedAtItsOwnTime) {
   EXPECT_EQ(bench.Tick(ReceiveResult::kTimeout).stamp, bench.now) << "not the stamp of the message before";
 }
 
-// Stamps that are ahead of the loop's clock or behind it, by up to the largest representable time.
+// The time stamps are ahead of the loop's clock or behind it, by up to half of the largest representable
+// time.
 TEST(ServoInput, AModelOrReadingWithAWrongStampIsNotFresh) {
   for (const rt::Nanoseconds offset :
        {2 * rt::kMillisecond, 70 * rt::kMillisecond, 3600 * rt::kSecond, -80 * rt::kMillisecond,
@@ -112,7 +113,8 @@ TEST(ServoInput, AModelOrReadingWithAWrongStampIsNotFresh) {
     readings.force.stamp = other.now + offset;
     readings.force.F_S =
         ServoBench::OnTheSensor({.f = Vector3(0.0, 0.0, 200.0), .t = Vector3::Zero()}, other.ToolNow());
-    if (offset == -80 * rt::kMillisecond) continue;  // fades to 0 at 100 ms
+    // a reading of this age still counts: its force fades to 0 at an age of 100 ms
+    if (offset == -80 * rt::kMillisecond) continue;
     record = other.loop.Tick({.state = other.arm,
                               .received = ReceiveResult::kOk,
                               .readings = readings,
@@ -124,8 +126,8 @@ TEST(ServoInput, AModelOrReadingWithAWrongStampIsNotFresh) {
   }
 }
 
-// Every third frame is an old one (45 ms) among new ones. It counts with its own age: the force falls at
-// once, and rises only slowly afterwards.
+// Every third frame is old (45 ms), the others are new. The loop must use each frame at its own age: with an
+// old frame the force falls at once, and afterwards it rises only slowly.
 TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   ServoBench bench;
   bench.Activate();
@@ -155,8 +157,8 @@ TEST(ServoInput, AnOlderFrameAfterANewerOneIsUsedAtItsAge) {
   }
 }
 
-// When the clock is set back or forward, the force does not rise by a jump, and no motion exceeds that of a
-// tick.
+// The clock is set back or forward. The force must not rise abruptly, and no tick may move the tool farther
+// than a tick allows.
 TEST(ServoInput, AJumpOfTheClockDoesNotRaiseTheForceAbruptly) {
   for (const rt::Nanoseconds jump : {-10 * rt::kSecond, -2 * rt::kMillisecond, 10 * rt::kSecond}) {
     ServoBench bench;

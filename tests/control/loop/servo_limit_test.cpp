@@ -1,4 +1,4 @@
-// Tests of a requirement: for any input, no coupling wrench above the limit is integrated or sent.
+// Tests the requirement that, for any input, no coupling wrench above the limit is integrated or sent.
 
 #include <cmath>
 #include <cstring>
@@ -13,16 +13,16 @@
 namespace osteon::control {
 namespace {
 
-// Random inputs: plausible ones of a bone, and wrong ones as of a broken or hostile sender.
+// Random inputs: plausible inputs as from a bone, and wrong inputs as from a broken or hostile sender.
 class Adversary {
  public:
   explicit Adversary(std::uint64_t seed) : random_(seed) {}
 
-  // Uniform in -1 … 1.
+  // A uniform random number from -1 to 1.
   double Unit() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
   std::uint64_t Bits() { return random_(); }
   bool Chance(double p) { return Unit() * 0.5 + 0.5 < p; }
-  // A value that breaks careless arithmetic: not finite, huge, tiny or negative.
+  // A value that careless arithmetic does not handle: not finite, huge, tiny or negative.
   double Hostile() {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     const double values[] = {0.0,
@@ -40,8 +40,8 @@ class Adversary {
   }
   Vector3 Direction() { return Vector3(Unit(), Unit(), Unit() + 1e-9).normalized(); }
 
-  // Fills the model with up to 8 random planes near the tool. They are credible, so the loop does not refuse
-  // them.
+  // Fills the model with up to 8 random planes near the tool. The planes are plausible, so the loop does not
+  // refuse them.
   void SpoilCredibly(simulation::ContactModel& model, const Pose& X_WT) {
     model.contact_count = static_cast<std::int32_t>(Bits() % 9);
     for (simulation::Contact& c : model.contacts) {
@@ -88,7 +88,8 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
     Adversary adversary(seed);
     ServoParams params = ServoBench::Params();
     params.wrench.max_force_N =
-        seed % 3 == 0 ? 1e9 : 150.0;  // with an absurd limit, the ceiling of 200 N holds
+        // with the absurd limit of 1e9 N, the built-in ceiling of 200 N must hold
+        seed % 3 == 0 ? 1e9 : 150.0;
     params.wrench.max_torque_Nm = 5.0;
     params.spindle_rad_per_s = seed % 2 == 0 ? 26.18 : 0.0;
     const double limit_N = seed % 3 == 0 ? 200.0 : 150.0;
@@ -107,7 +108,7 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
       before = record.q_cmd;
       if (record.wrench_scale < 1.0) ++limited;
 
-      // the input of the next tick
+      // changes the input of the next tick
       adversary.SpoilCredibly(bench.model, bench.loop.tool_command().X_WT);
       ++bench.model.frame;
       bench.model.pose_stamp = bench.now;
@@ -123,7 +124,8 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
   EXPECT_GT(limited + faulted, 250) << "the draws must reach the limits to prove anything";
 }
 
-// 240 N lie below the trip on the sensor's force, so that only the limiter keeps the wrench at 200 N.
+// The hand's 240 N are below the trip on the sensor's force. So only the limiter can keep the wrench at 200
+// N.
 TEST(ServoLimit, AHandStrongerThanTheLimitMeetsTheLimitInItsDirection) {
   ServoParams params = ServoBench::Params();
   params.max_tracking_error_m = 1.0;

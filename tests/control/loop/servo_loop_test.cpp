@@ -10,7 +10,7 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Tests of the whole servo loop: start, contact, limits, stops, and silent or faulty partners.
+// Tests the whole servo loop: start, contact, limits, stops, and partners that are silent or faulty.
 
 namespace osteon::control {
 namespace {
@@ -36,7 +36,7 @@ TEST(ServoLoop, FollowsTheWaitingArmAndStartsWithoutAJump) {
   EXPECT_EQ(record.q_cmd, bench.arm.q_ipo);
   EXPECT_EQ(bench.loop.tool_command().spindle_rad_per_s, 0.0);
 
-  // q_meas lags q_ipo a little, as a real arm's does
+  // as on a real arm, the measured position lags a little behind the interpolator's position
   bench.arm.q_ipo[1] += 1e-3;
   const auto q_ipo = bench.arm.q_ipo;
   bench.Activate();
@@ -54,7 +54,7 @@ TEST(ServoLoop, TurnsToTheWantedArmAngleSlowlyFromAnyOther) {
   const double start = ServoBench::Arm().ArmAngle(ServoBench::StartJoints());
   ServoLoop loop(ServoBench::Params(), ServoBench::Arm(), Pose::Identity(), ServoBench::FlangeToTool(),
                  start + 0.02);
-  ServoBench bench;  // supplies messages and models
+  ServoBench bench;  // the bench supplies messages and models
   bench.Activate();
   ArmCommand command{.q = bench.arm.q_ipo};
   for (int i = 0; i < 500; ++i) {
@@ -121,7 +121,7 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   params.joints.limits[3].lower_rad = -params.joints.limits[3].upper_rad;
   ServoBench bench(params, 10.0);
   bench.Activate();
-  // a push toward the shoulder bends the elbow until A4 reaches its limit
+  // a push toward the shoulder bends the arm until joint A4 reaches its limit
   bench.side_W_N = -40.0 * (ServoBench::StartPose().translation() - Vector3(0.0, 0.0, 0.36)).normalized();
   double before = start_a4;
   for (int i = 0; i < 3000; ++i) {
@@ -134,18 +134,18 @@ TEST(ServoLoop, PushedTowardsAJointLimitItSlowsDownAndStaysInside) {
   EXPECT_GT(before, start_a4 + 0.15 - params.joints.position_margin_rad - 2e-3) << "and gets there";
   EXPECT_GT(bench.loop.statistics().limits.Of(safety::Limit::kJoints).ticks, 0u);
 
-  // the virtual tool's velocity followed the limit: no wind-up
+  // the virtual tool's velocity has been reduced to the limited motion, so there is no wind-up
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 0.01);
   bench.side_W_N *= -1.0;
   bench.Run(3);
   EXPECT_LT(std::abs(bench.Tick().q_cmd[3]), before) << "pulled back it leaves at once";
 }
 
-// Oracle: the stopping distance v² / 2a.
+// Oracle: the stopping distance v² / 2a, with the speed v and the deceleration a.
 TEST(ServoLoop, AStopEndsOnItsLineAtTheComputedDistance) {
   ServoBench bench(ServoBench::Params(), 1.0);
   bench.Activate();
-  bench.push_N = 4.0;  // 4 N against 20 N s/m: toward 0.2 m/s
+  bench.push_N = 4.0;  // 4 N against the drag of 20 N s/m: the speed approaches 0.2 m/s
   const TickRecord moving = bench.Run(500);
   const double v = Vector3(moving.v_WT_cmd_m_per_s).norm();
   ASSERT_GT(v, 0.15);
@@ -193,15 +193,15 @@ TEST(ServoLoop, AStopRequestBeforeTheArmIsActivePreventsRendering) {
   EXPECT_EQ(bench.Run(10).phase, Phase::kStopped);
 }
 
-// With a model up to 20 ms old the coupling is full; from 60 ms on nothing is rendered and the tool is held;
-// at 250 ms the cell stops.
+// Up to a model age of 20 ms the full coupling acts. From 60 ms on nothing is rendered and the tool is held
+// in place. At 250 ms the cell stops.
 TEST(ServoLoop, AStalledSimulationFadesThenHoldsThenStops) {
   ServoBench bench;
   bench.Activate();
   bench.push_N = 120.0;
   bench.Run(3000);
   bench.simulation_lives = false;
-  bench.push_N = 60.0;  // the hand yields: an undiminished spring would throw it back
+  bench.push_N = 60.0;  // the hand reduces its push: the full spring force would now throw it back
   const Vector3 contact = Pose(bench.loop.tool_command().X_WT).translation();
   double before_N = 1e9, returned_J = 0.0;
   Vector3 held = contact, p_before = contact;
@@ -230,7 +230,7 @@ TEST(ServoLoop, AStalledSimulationFadesThenHoldsThenStops) {
   EXPECT_LE(returned_J, 0.36) << "no more than the spring had stored: F^2 / 2K";
 }
 
-// The simulation stalls in contact for up to 200 ms and comes back.
+// The simulation stalls during contact, for up to 200 ms, and then continues.
 TEST(ServoLoop, AfterAStallTheForceRisesWithoutAJump) {
   for (const int stall_ticks : {20, 60, 120, 200}) {
     ServoBench bench;
@@ -336,7 +336,7 @@ TEST(ServoLoop, EachFaultStopsTheTool) {
   };
   const auto bits = [](Fault fault) { return static_cast<std::uint32_t>(fault); };
   EXPECT_EQ(fault_after([](ServoBench& b) {
-              for (; b.push_N < 260.0; b.push_N += 5.0) b.Tick();  // as fast as a hand can
+              for (; b.push_N < 260.0; b.push_N += 5.0) b.Tick();  // rises as fast as a hand can push
             }),
             bits(Fault::kSensorForce));
   EXPECT_EQ(fault_after([](ServoBench& b) { b.plane_W -= 4e-3 * b.feed_W; }), bits(Fault::kWrenchRate));
@@ -365,7 +365,8 @@ TEST(ServoLoop, AnArmFarFromItsCommandIsAFault) {
   EXPECT_TRUE(bench.loop.faults().Has(Fault::kTracking));
 }
 
-// A hand pushes outward with 60 N until the arm is stretched, then sideways as well, then back.
+// A hand pushes the tool outward with 60 N until the arm is stretched out, then sideways as well, and then
+// back.
 TEST(ServoLoop, AtTheEndOfItsReachTheToolStopsSlidesAndReturns) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 3.0;
@@ -402,7 +403,7 @@ TEST(ServoLoop, AtTheEndOfItsReachTheToolStopsSlidesAndReturns) {
   EXPECT_GT((Vector3(run(500).X_WT_cmd.p) - stopped).norm(), 0.02) << "it slides";
   bench.side_W_N = -20.0 * outward;
   EXPECT_LT(p_SW(run(500)).norm(), reach_m - 0.015) << "and is not held there";
-  // 60 N accelerate 3 kg by 20 mm/s per tick
+  // in one tick, 60 N change the speed of 3 kg by 20 mm/s
   EXPECT_LT(jump_m_per_s, 0.02 + 1e-9);
 }
 
@@ -445,7 +446,7 @@ TEST(ServoLoop, NoTickAllocatesOrLocksInAnyPhase) {
   run(2, ReceiveResult::kTimeout);
   bench.side_W_N = Vector3(50.0, 0.0, 0.0);
   run(1000);
-  bench.push_N = 400.0;  // sensor force: stop
+  bench.push_N = 400.0;  // exceeds the limit of the sensor's force, which stops the cell
   run(300);
   EXPECT_EQ(bench.loop.phase(), Phase::kStopped);
 }

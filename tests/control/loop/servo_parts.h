@@ -7,11 +7,12 @@
 #include "control/setup/servo_params.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Shared by the tests of the servo loop's parts: a message and a follower of the arm of ServoBench, and bone.
+// Shared by the tests of the servo loop's parts: a message of ServoBench's arm, a follower for this arm, and
+// a bone.
 
 namespace osteon::control {
 
-/// A message of the arm that stands in the bench's start pose.
+/// A message of an arm that stands at the bench's start pose.
 inline ArmState StandingArm(SessionState session = SessionState::kCommandingActive) {
   ArmState state;
   Eigen::Map<kinematics::JointVector>(state.q_meas.data()) = ServoBench::StartJoints();
@@ -30,8 +31,8 @@ inline std::unique_ptr<ArmFollower> Follower(const ServoParams& params) {
   return arm;
 }
 
-/// A plane across the tool's feed, `depth_m` behind the apex of the start pose: a tool there is that deep in
-/// bone.
+/// A plane across the tool's feed, `depth_m` behind the apex of the start pose. A tool at the start pose is
+/// thus `depth_m` deep in bone.
 inline simulation::ContactModel PlaneBehind(double depth_m, rt::Nanoseconds now) {
   const Pose X_WT = ServoBench::StartPose();
   const Vector3 feed_W = X_WT.linear().col(2);

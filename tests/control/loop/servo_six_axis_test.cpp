@@ -1,5 +1,5 @@
-// Tests of the servo loop with a six-axis KR arm at RSI's period of 4 ms. Law and limits are the same as for
-// an LBR, but there is no elbow to turn.
+// Tests the servo loop with a six-axis KR arm at RSI's period of 4 ms. Law and limits are the same as for an
+// LBR, but the arm has no redundant elbow.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ using kinematics::OrthoParallelArm;
 using Joints = OrthoParallelArm::Joints;
 
 constexpr double kPeriod_s = 0.004;
-constexpr double kStiffness_N_per_m = 5e3;  // of the coupling and of the bench's plane
+constexpr double kStiffness_N_per_m = 5e3;  // stiffness of the coupling and of the bench's plane
 
 Joints StartJoints() {
   Joints q;
@@ -27,13 +27,13 @@ OrthoParallelArm Arm() {
   kinematics::OrthoParallelParams params = kinematics::Kr16Params();
   for (kinematics::JointLimits& limit : params.limits)
     limit.acceleration_rad_per_s2 =
-        limit.velocity_rad_per_s / 0.3;  // 0.3 s to full speed, as assumed in the robot's file
+        limit.velocity_rad_per_s / 0.3;  // 0.3 s to reach full speed, as assumed in the robot's file
   return OrthoParallelArm(params);
 }
 
 // Tool pose at these joints.
 Pose PoseAt(const Joints& q) {
-  // made once, because its construction allocates and PoseAt is called where allocations are checked
+  // constructed once, because the construction allocates and PoseAt is called where allocations are checked
   static const OrthoParallelArm arm = Arm();
   return arm.FlangePose(q) * ServoBench::FlangeToTool();
 }
@@ -46,14 +46,15 @@ ServoParams Params() {
   params.workspace.sphere_center_W_m = p_start;
   params.workspace.sphere_radius_m = 0.3;
   params.workspace.plane_offset_m = p_start.z() - 0.3;
-  params.admittance.damping_Ns_per_m.setConstant(120.0);  // D > a_max K, stable at a period of 4 ms
+  params.admittance.damping_Ns_per_m.setConstant(120.0);  // the damping D must exceed a_max K (largest age
+                                                          // times stiffness) to be stable at a period of 4 ms
   params.coupling.max_stiffness_N_per_m = kStiffness_N_per_m;
   params.spindle_rad_per_s = 0.0;
   return params;
 }
 
-// A servo loop in virtual time with a KR 16 that follows its command a tick later, a plane 5 mm ahead of the
-// tool that is reported without delay, and a hand.
+// A servo loop in virtual time with a KR 16 that follows its command one tick later, and with a hand. A plane
+// lies 5 mm ahead of the tool and is reported without delay.
 class SixAxisBench {
  public:
   explicit SixAxisBench(const ServoParams& params = Params(), const Joints& q = StartJoints())
@@ -147,7 +148,7 @@ TEST(ServoSixAxis, AJointLimitHoldsTheToolWithoutAFault) {
   ServoParams params = Params();
   params.joints.limits[0].upper_rad = StartJoints()[0] + 0.05;
   SixAxisBench bench(params);
-  // KUKA's A1 turns clockwise about z: its angle grows as the tool moves toward -y
+  // KUKA's axis A1 turns clockwise about z, so its angle grows as the tool moves toward -y
   bench.push_W_N = 30.0 * Vector3(0.0, -1.0, 0.0);
   const TickRecord record = bench.Run(1500);
   EXPECT_EQ(record.phase, Phase::kHaptic);

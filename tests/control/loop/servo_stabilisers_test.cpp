@@ -1,5 +1,5 @@
-// Tests of the stabilisers (age governor, passivity observer, energy tank) in the servo loop: what they
-// change and record.
+// Tests the stabilisers (age governor, passivity controller, energy tank) in the servo loop: their effect and
+// what they record.
 
 #include <algorithm>
 #include <stdexcept>
@@ -11,7 +11,7 @@
 namespace osteon::control {
 namespace {
 
-// @param act  whether all three stabilisers are on
+// @param act  true: all three stabilisers are on; false: all are off
 ServoParams Params(bool act, double tool_radius_m) {
   ServoParams params = ServoBench::Params();
   params.stabilisers.age_governor.acts = act;
@@ -37,8 +37,8 @@ TEST(ServoStabilisers, FramesEveryTenMillisecondsRaiseTheDamping) {
     if (record.phase == Phase::kHaptic) min_tank_J = std::min(min_tank_J, record.tank_J);
     EXPECT_EQ(record.age_wrench_share, 1.0);
   }
-  // 80 N / 25 mm × 10 ms need a damping of 33 N s/m, and the apex has 20; the lever of the tool's centre adds
-  // to it
+  // 80 N / 25 mm at an age of 10 ms need a damping of 33 N s/m; the apex has only 20. The lever of the tool's
+  // centre increases the need further
   EXPECT_GT(max_factor, 1.4);
   EXPECT_LT(max_factor, 2.5);
   const ServoStatistics& statistics = bench.loop.statistics();
@@ -50,7 +50,7 @@ TEST(ServoStabilisers, FramesEveryTenMillisecondsRaiseTheDamping) {
   EXPECT_GT(min_tank_J, 0.9);
 }
 
-// With a tool radius of 1 m, force over radius is so small that no stabiliser has to act.
+// With a tool radius of 1 m, the ratio of force to radius is so small that no stabiliser has to act.
 TEST(ServoStabilisers, StabilisersThatNeedNotActChangeNothing) {
   ServoBench with(Params(true, 1.0)), without(Params(false, 1.0));
   for (ServoBench* bench : {&with, &without}) {

@@ -3,7 +3,7 @@
 #include "servo_bench.h"
 #include "tests/kinematics/iiwa14.h"
 
-// Tests of the motion that takes the arm from where it is handed over to the start pose, where rendering
+// Tests the motion that moves the arm from the pose at its hand-over to the start pose, where rendering
 // begins.
 
 namespace osteon::control {
@@ -34,7 +34,7 @@ class ServoStart : public ::testing::Test {
         .stamp = bench.now + ServoBench::kTick, .permitted = permitted, .enabled = held};
     const JointVector before = Joints();
     const TickRecord record = bench.Tick();
-    if (!before.isZero(0.0))  // no command came before the first one
+    if (!before.isZero(0.0))  // there is no command before the first one
       max_step_rad = std::max(max_step_rad, (Joints() - before).cwiseAbs().maxCoeff());
     return record;
   }
@@ -42,11 +42,11 @@ class ServoStart : public ::testing::Test {
     for (int i = 0; i < count; ++i) Tick();
   }
   JointVector Joints() const { return Eigen::Map<const JointVector>(bench.command.q.data()); }
-  // Largest remaining angle of a joint to the start pose [rad].
+  // Largest angle [rad] by which a joint still differs from the start pose.
   double RemainingAngle() const { return (Goal() - Joints()).cwiseAbs().maxCoeff(); }
 
-  ServoBench bench{Params(), 10.0};  // no bone near
-  bool permitted{true}, held{true};  // whether the PLC permits motion, and the enabling switch is held
+  ServoBench bench{Params(), 10.0};  // no bone is near
+  bool permitted{true}, held{true};  // whether the PLC permits motion; whether the enabling switch is held
   double max_step_rad{0.0};
 };
 
@@ -73,7 +73,7 @@ TEST_F(ServoStart, WithTheSwitchReleasedTheArmRestsAndContinuesLater) {
   Run(5);
   bench.Activate();
   Run(600);
-  held = false;  // the PLC still permits: the switch counts on its own
+  held = false;  // the PLC still permits motion, but the released switch alone must stop the arm
   Run(600);
   const double resting_rad = RemainingAngle();
   EXPECT_GT(resting_rad, 0.05);

@@ -1,5 +1,5 @@
-// The cell's state in the servo loop: every condition of motion, pauses, recoveries, and rest after a fault
-// in each state.
+// Tests the cell's state in the servo loop: every condition of motion, pauses, recoveries, and rest after a
+// fault in each state.
 
 #include <cmath>
 #include <functional>
@@ -17,7 +17,8 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// A cell with spindle drive and PLC, whose arm first travels a planned path to its start posture if asked to.
+// A cell with spindle drive and PLC. With a start path, its arm first moves along a planned path to its start
+// posture.
 class ServoState : public ::testing::Test {
  protected:
   enum class StartPath { kNone, kToStart };
@@ -36,8 +37,8 @@ class ServoState : public ::testing::Test {
     return params;
   }
 
-  // The servo bench, with fresh readings of spindle and PLC in every tick. A cell without a start path has
-  // the simulated bone 5 mm ahead of the tool, a cell with one has it out of reach.
+  // The servo bench, with fresh readings of spindle and PLC in every tick. Without a start path, the
+  // simulated bone is 5 mm ahead of the tool; with a start path, it is out of reach.
   struct Cell {
     explicit Cell(StartPath start_path = StartPath::kNone)
         : bench(Params(start_path), start_path == StartPath::kNone ? 0.005 : 10.0) {
@@ -59,7 +60,7 @@ class ServoState : public ::testing::Test {
       for (int i = 0; i < ticks; ++i) record = Tick();
       return record;
     }
-    // The arm takes commands, and the hand pushes the tool toward the bone.
+    // Renders: the arm accepts commands, and the hand pushes the tool toward the bone.
     void Render(double push_N = 60.0, int ticks = 600) {
       bench.Activate();
       bench.push_N = push_N;
@@ -87,14 +88,14 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   EXPECT_EQ(cell.state(), CellState::kOff);
   cell.bench.arm.session = SessionState::kIdle;
   cell.Tick();
-  cell.bench.command.q = cell.bench.arm.q_meas;  // nothing was commanded yet
+  cell.bench.command.q = cell.bench.arm.q_meas;  // nothing has been commanded yet
   EXPECT_EQ(cell.state(), CellState::kOff) << "an idle arm does not say where it is";
   cell.bench.arm.session = SessionState::kMonitoringReady;
   cell.interlock.permitted = false;
   cell.Tick();
   EXPECT_EQ(cell.state(), CellState::kChecking);
   cell.interlock.permitted = true;
-  cell.Run(3);  // until the simulation has sent its first frame for a known pose
+  cell.Run(3);  // until the simulation has delivered its first frame for a known pose
   EXPECT_EQ(cell.state(), CellState::kReady);
   cell.interlock.permitted = false;
   cell.Tick();
@@ -117,8 +118,8 @@ TEST_F(ServoState, GoesFromOffOverCheckingAndReadyToHapticAndCutting) {
   EXPECT_EQ(cell.bench.loop.phase(), Phase::kStopped);
 }
 
-// Each missing condition alone keeps the arm from moving and is the only one reported as missing. Restoring
-// the condition is enough for motion to start.
+// If one condition is missing, the arm must not move, and exactly this condition must be reported as missing.
+// Once it is restored, motion must start.
 TEST_F(ServoState, EachMissingConditionAloneKeepsTheArmAtRest) {
   struct Missing {
     MotionPermit permit;
@@ -175,8 +176,8 @@ TEST_F(ServoState, EachMissingConditionAloneKeepsTheArmAtRest) {
   }
 }
 
-// Oracle of the braking distance: v^2 / 2a with the stop's deceleration of 3 m/s^2. The arm then rests, and
-// motion resumes from exactly the held posture.
+// Oracle: the braking distance v^2 / 2a, with the speed v and the stop's deceleration a = 3 m/s^2. The arm
+// then rests, and motion resumes exactly from the held posture.
 TEST_F(ServoState, APauseBrakesHoldsAndResumesWithoutAJump) {
   Cell cell;
   cell.Render(60.0, 40);
@@ -195,7 +196,7 @@ TEST_F(ServoState, APauseBrakesHoldsAndResumesWithoutAJump) {
   EXPECT_TRUE(cell.bench.loop.cell_commands().motion_requested);
   EXPECT_FALSE(cell.bench.loop.faults().Any());
   const JointArray held = record.q_cmd;
-  // in a pause the enabling switch may be released
+  // during a pause the enabling switch may be released
   cell.interlock.permitted = cell.interlock.enabled = false;
   cell.Run(500);
   EXPECT_EQ(cell.bench.command.q, held) << "whoever pushes";
@@ -293,13 +294,14 @@ TEST_F(ServoState, AfterAPauseOnTheStartPathTheArmGoesOnToTheStart) {
   EXPECT_NEAR(before[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
 }
 
-// At the end of the start path every condition of motion has to hold again, also a fresh contact model.
+// At the end of the start path, every condition of motion must hold again, including a fresh contact model.
 TEST_F(ServoState, RenderingAtTheStartWaitsForEveryCondition) {
   Cell cell(StartPath::kToStart);
   cell.Run(5);
   cell.bench.Activate();
   cell.Run(10);
-  cell.bench.simulation_lives = false;  // the path itself renders nothing and needs no contact model
+  cell.bench.simulation_lives =
+      false;  // the path itself needs no contact model, because nothing is rendered on it
   cell.Run(20'000);
   EXPECT_EQ(cell.state(), CellState::kAligning);
   EXPECT_NEAR(cell.bench.command.q[0], ServoBench::StartJoints()[0] + 0.3, 1e-9);
@@ -309,8 +311,8 @@ TEST_F(ServoState, RenderingAtTheStartWaitsForEveryCondition) {
   EXPECT_TRUE(safety::Renders(cell.state()));
 }
 
-// The arm has stayed in COMMANDING_ACTIVE, so the interpolator's position that it reports is still that of
-// the start of commanding. A recovery that began from there would jump.
+// The arm has stayed in COMMANDING_ACTIVE, so it still reports the interpolator's position from the beginning
+// of commanding. A recovery that started from there would make the arm jump.
 TEST_F(ServoState, ARecoveryInTheSameActivationStartsAtTheLastCommand) {
   Cell cell;
   cell.Render(4.0, 800);
@@ -325,7 +327,7 @@ TEST_F(ServoState, ARecoveryInTheSameActivationStartsAtTheLastCommand) {
     const TickRecord record = cell.Tick();
     ASSERT_LT(MaxJointDifference_rad(record.q_cmd, before), 1e-3) << "tick " << i;
     before = record.q_cmd;
-    // for 200 ms the PLC's permission may still be that of before the stop, and does not count
+    // for 200 ms the PLC's permission may still date from before the stop, so it does not count
     if (i < 199) ASSERT_EQ(cell.state(), CellState::kRecovery) << "tick " << i;
   }
   EXPECT_TRUE(safety::Renders(cell.state()));
@@ -352,7 +354,7 @@ TEST_F(ServoState, AStop0EndsOnceTheArmIsMeasuredAtRest) {
   Cell cell;
   cell.Render();
   cell.bench.arm.session = SessionState::kMonitoringReady;
-  for (int i = 0; i < 50; ++i) {  // the arm coasts at 0.1 rad/s
+  for (int i = 0; i < 50; ++i) {  // the arm still moves at 0.1 rad/s
     cell.bench.command.q[0] = cell.bench.arm.q_meas[0] + 1e-4;
     cell.Tick();
     EXPECT_EQ(cell.state(), CellState::kStop0);
@@ -363,7 +365,8 @@ TEST_F(ServoState, AStop0EndsOnceTheArmIsMeasuredAtRest) {
   EXPECT_TRUE(cell.bench.loop.faults().Has(Fault::kSession));
 }
 
-// Whichever state the cell is in and however it got there: after a fault the command comes to rest and stays.
+// In every state of the cell, however it was reached: after a fault, the command must come to rest and stay
+// there.
 TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
   struct ReachedState {
     CellState state;
@@ -447,7 +450,7 @@ TEST_F(ServoState, InEveryStateAFaultLeadsToRest) {
     reached.reach(cell);
     ASSERT_EQ(cell.state(), reached.state) << name;
     JointArray before = cell.bench.command.q;
-    // a measured joint that is NaN, for one tick
+    // one measured joint is NaN for one tick
     ArmState broken = cell.bench.arm;
     broken.q_meas[3] = std::numeric_limits<double>::quiet_NaN();
     cell.bench.loop.Tick({.state = broken,

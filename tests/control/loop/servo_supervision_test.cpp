@@ -1,6 +1,6 @@
-// What the servo loop supervises in each state of the cell: a hand that rests on the handle, sensor and
-// spindle on the path to the start, a hand's force in a stop, and an arm in impedance control that a hand
-// leads.
+// Tests what the servo loop supervises in each state of the cell: a hand that rests on the handle, sensor and
+// spindle on the path to the start, the hand's force during a stop, and an arm in impedance control that a
+// hand moves.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ using safety::CellState;
 using safety::Fault;
 using safety::MotionPermit;
 
-// --- a hand resting on the handle: its steady push must not be taken for the force sensor's bias
+// --- a hand rests on the handle: its constant push must not be mistaken for the force sensor's bias
 
 TEST(RestingHand, IsNotTakenForABiasInARecovery) {
   ServoBench bench(ServoBench::Params(), 10.0);
@@ -31,7 +31,7 @@ TEST(RestingHand, IsNotTakenForABiasInARecovery) {
   bench.Run(50);
   ASSERT_TRUE(bench.loop.CanRecover());
   bench.loop.RequestRecovery();
-  bench.push_N = 8.0;  // steadily, for longer than the bias estimator's rest of 0.5 s
+  bench.push_N = 8.0;  // a constant push, longer than the rest of 0.5 s after which the bias is estimated
   const TickRecord waited = bench.Run(1000);
   EXPECT_EQ(Vector3(waited.F_bias_S.f), Vector3::Zero());
   ++bench.arm.activation;
@@ -39,7 +39,7 @@ TEST(RestingHand, IsNotTakenForABiasInARecovery) {
   bench.Run(20);
   ASSERT_EQ(bench.loop.phase(), Phase::kHaptic);
   bench.push_N = 0.0;
-  bench.Run(1500);  // the virtual tool's drag brakes the speed that the push has given
+  bench.Run(1500);  // the virtual tool's drag reduces the speed that the push has caused
   EXPECT_LT(Vector3(bench.Tick().v_WT_cmd_m_per_s).norm(), 1e-4)
       << "nobody holds the tool: it does not creep";
 }
@@ -75,7 +75,7 @@ TEST(RestingHand, PreventsTheFirstMotionUntilItLetsGo) {
 }
 
 TEST(RestingHand, APushTakenForABiasMovesAFreeToolNoFasterThanACreep) {
-  // just below the largest accepted bias: a drag of 20 N s/m at 50 mm/s, 1 N
+  // 0.99 N is just below the largest accepted bias, 1 N: the drag of 20 N s/m at 50 mm/s
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.push_N = 0.99;
   bench.Run(600);
@@ -121,7 +121,7 @@ class StartPathSupervision : public ::testing::Test {
     }
     return record;
   }
-  // Runs one tick. @returns the largest change of a commanded joint [rad]
+  // Runs one tick. @returns the largest change of a joint's command [rad]
   [[nodiscard]] double MaxJointStep_rad() {
     const JointVector before = Eigen::Map<const JointVector>(bench.command.q.data());
     Run(1);
@@ -145,7 +145,7 @@ TEST_F(StartPathSupervision, AHandBeyondItsLimitStopsTheArm) {
 TEST_F(StartPathSupervision, APushOnTheHandlePausesTheStartPath) {
   ASSERT_GT(MaxJointStep_rad(), 0.0);
   bench.push_N = 60.0;
-  Run(600);  // the path's pause
+  Run(600);  // duration of the path's pause
   EXPECT_EQ(MaxJointStep_rad(), 0.0);
   EXPECT_FALSE(bench.loop.faults().Any());
   EXPECT_EQ(bench.loop.state(), CellState::kAligning);
@@ -176,7 +176,7 @@ TEST_F(StartPathSupervision, ASpindleFaultStopsTheArm) {
   EXPECT_EQ(bench.loop.state(), CellState::kStop1);
 }
 
-// A slow stop of 0.4 m/s^2, so that the hand's force exceeds its limit while the arm still brakes.
+// The stop is slow (0.4 m/s^2), so the hand's force exceeds its limit while the arm is still braking.
 TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   ServoParams params = ServoBench::Params();
   params.stop_deceleration_m_per_s2 = 0.4;
@@ -196,7 +196,7 @@ TEST(StopSupervision, AHandBeyondItsLimitInAnOrderlyStopIsAFault) {
   EXPECT_EQ(bench.loop.state(), CellState::kFault);
 }
 
-// A comparison with NaN is false, so a limit of the torque alone would not stop the arm.
+// A comparison with NaN is false, so a limit on the torque alone would not detect the NaN.
 TEST(ArmTorques, ATorqueThatIsNotANumberIsAFault) {
   ServoBench bench(ServoBench::Params(), 10.0);
   bench.Run(5);
@@ -212,7 +212,7 @@ TEST(ArmTorques, ATorqueThatIsNotANumberIsAFault) {
 
 // --- an arm in impedance control
 
-// The hand turns the arm about its axis A1 at a given speed, and the loop follows the measured position.
+// The hand turns the arm about its axis A1 at a given speed. The loop follows the measured position.
 class HandLedArm : public ::testing::Test {
  protected:
   static ServoParams Params() {
@@ -231,7 +231,7 @@ class HandLedArm : public ::testing::Test {
     bench.Run(200);
     EXPECT_EQ(bench.loop.phase(), Phase::kHaptic);
   }
-  // One tick in which the hand moves the arm, whose message may get lost.
+  // Runs one tick in which the hand moves the arm. The arm's message may be lost.
   TickRecord Lead(ReceiveResult received = ReceiveResult::kOk) {
     bench.arm.q_meas[0] += speed_rad_per_s * 1e-3;
     if (received != ReceiveResult::kOk) ++bench.arm.lost;
@@ -252,7 +252,7 @@ class HandLedArm : public ::testing::Test {
 TEST_F(HandLedArm, LostMessagesDoNotRaiseTheMeasuredVelocity) {
   speed_rad_per_s = 0.9 * ServoBench::Params().twist.max_speed_m_per_s /
                     Vector3(bench.ToolNow().translation()).head<2>().norm();
-  // the distance over a gap of 1 to 4 lost messages must not count as that of one tick
+  // the distance over a gap of 1 to 4 lost messages must not count as the distance of one tick
   for (int round = 0; round < 30; ++round) {
     for (int i = 0; i < 20; ++i) {
       const TickRecord record = Lead();
@@ -263,7 +263,7 @@ TEST_F(HandLedArm, LostMessagesDoNotRaiseTheMeasuredVelocity) {
   EXPECT_FALSE(bench.loop.faults().Any()) << "below the limit there is no trip";
 }
 
-// While messages are lost, the simulation must see that the pose is old.
+// While messages are lost, the pose keeps its old time stamp, so that the simulation sees its age.
 TEST_F(HandLedArm, APoseKeepsItsTimeStampWhileMessagesAreLost) {
   speed_rad_per_s = 0.05;
   Lead();
@@ -283,7 +283,7 @@ TEST_F(HandLedArm, AStopEndsOnceTheArmIsMeasuredAtRest) {
   speed_rad_per_s = 0.1;
   for (int i = 0; i < 50; ++i) Lead();
   bench.loop.RequestStop();
-  for (int i = 0; i < 500; ++i) Lead();  // the hand keeps moving the arm
+  for (int i = 0; i < 500; ++i) Lead();  // meanwhile the hand moves the arm on
   EXPECT_EQ(bench.loop.phase(), Phase::kStopping) << "it moves at " << Speed_m_per_s() << " m/s";
   speed_rad_per_s = 0.0;
   for (int i = 0; i < 15; ++i) Lead();
@@ -291,14 +291,15 @@ TEST_F(HandLedArm, AStopEndsOnceTheArmIsMeasuredAtRest) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// Pushing a paused arm is no fault, but it has to be brought back before rendering resumes.
+// A hand pushes a paused arm away. That is no fault, but the arm must be brought back before rendering
+// resumes.
 TEST_F(HandLedArm, APausedArmThatAHandPushesAwayResumesOnlyWhereItPaused) {
   bench.loop.RequestPause();
   for (int i = 0; i < 200; ++i) Lead();
   ASSERT_EQ(bench.loop.state(), CellState::kPaused);
   const JointVector held = Eigen::Map<const JointVector>(bench.arm.q_meas.data());
   speed_rad_per_s = 0.1;
-  for (int i = 0; i < 1200; ++i) Lead();  // 0.12 rad: at least 80 mm
+  for (int i = 0; i < 1200; ++i) Lead();  // 0.12 rad move the apex by at least 80 mm
   EXPECT_FALSE(bench.loop.faults().Any());
   EXPECT_EQ(bench.loop.state(), CellState::kPaused);
   speed_rad_per_s = 0.0;

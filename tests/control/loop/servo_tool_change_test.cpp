@@ -8,14 +8,16 @@
 #include "servo_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Changing the tool while the loop is paused: another entry of a table that was prepared before the run.
+// Tests the change of the tool while the loop is paused. The loop takes the new tool from a table that was
+// prepared before the run.
 
 namespace osteon::control {
 namespace {
 
 using safety::CellState;
 
-constexpr double kLonger_m = 0.001;  // a reamer of 46 mm after one of 44 mm: the apex is 1 mm further
+constexpr double kLonger_m =
+    0.001;  // a reamer of 46 mm replaces one of 44 mm: the apex is 1 mm farther from the flange
 
 std::vector<LoopTool> Tools() {
   LoopTool first{.X_FT = ServoBench::FlangeToTool(), .sensor = ServoBench::Params().sensor};
@@ -24,7 +26,7 @@ std::vector<LoopTool> Tools() {
   return {first, second};
 }
 
-// A loop that has rendered a free tool, 60 mm in front of the bone's plane, and is now paused.
+// A loop that has rendered with the tool in free space, 60 mm before the bone's plane, and is now paused.
 struct PausedLoop {
   PausedLoop() : bench(ServoBench::Params(), 0.06) {
     bench.loop.SetTools(Tools(), 0);
@@ -105,10 +107,10 @@ TEST(ServoToolChange, DoesNotAllocate) {
   EXPECT_EQ(cell.bench.loop.tool_index(), 1);
 }
 
-// A heavier tool hangs on the sensor. If the loop subtracts the new tool's weight, the tool rests; if it
-// still subtracted the old tool's weight, the tool would creep down.
+// The new tool is heavier. If the loop subtracts the new tool's weight from the sensor's reading, the tool
+// rests. If it still subtracted the old tool's weight, the tool would creep down.
 TEST(ServoToolChange, SubtractsTheNewToolsWeightFromTheSensor) {
-  constexpr double kHeavier_kg = 0.0134;  // mass of a 50 mm reamer above that of a 44 mm one
+  constexpr double kHeavier_kg = 0.0134;  // mass of a 50 mm reamer minus that of a 44 mm reamer
   std::vector<LoopTool> tools = Tools();
   tools[1].sensor.tool_mass_kg += kHeavier_kg;
   for (const bool with_load : {true, false}) {
@@ -125,7 +127,7 @@ TEST(ServoToolChange, SubtractsTheNewToolsWeightFromTheSensor) {
     bench.loop.RequestTool(1);
     bench.Tick();
     bench.loop.RequestResume();
-    bench.side_W_N = kHeavier_kg * Vector3(0.0, 0.0, -9.81);  // what the new tool weighs
+    bench.side_W_N = kHeavier_kg * Vector3(0.0, 0.0, -9.81);  // additional weight of the new tool
     double speed_m_per_s = 0.0;
     for (int i = 0; i < 2000; ++i) speed_m_per_s = Vector3(bench.Tick().v_WT_cmd_m_per_s).norm();
     if (with_load)

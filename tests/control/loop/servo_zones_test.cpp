@@ -8,8 +8,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// Limits in the whole servo loop: zones of apex, flange and elbow, the depth limit, and limits of energy,
-// speed and power.
+// Tests limits in the whole servo loop: zones of apex, flange and elbow, the depth limit, and limits of
+// energy, speed and power.
 
 namespace osteon::control {
 namespace {
@@ -21,7 +21,7 @@ using safety::ZonePoint;
 using safety::ZoneShape;
 using safety::ZoneSide;
 
-// Elbow, flange and the tool's apex of a posture, in the world [m].
+// Position of the elbow in a posture, in the world [m]; below, those of the flange and of the tool's apex.
 Vector3 Elbow(const JointArray& q) {
   return ServoBench::Arm().Points(Eigen::Map<const kinematics::JointVector>(q.data())).p_BElbow;
 }
@@ -34,8 +34,8 @@ JointArray StartArray() {
   return q;
 }
 
-// A zone for one of the arm's points: the half-space whose wall is distance_m away from p_W in direction
-// way_W.
+// A zone for one of the arm's points. The zone is a half-space whose wall is distance_m away from p_W, in the
+// direction way_W.
 ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way_W, double distance_m) {
   return {.shape = ZoneShape::kHalfSpace,
           .side = ZoneSide::kKeepIn,
@@ -44,7 +44,7 @@ ZoneParams Wall(ZonePoint point, const Vector3& p_W, const Vector3& way_W, doubl
           .R_W = RotationFromZTo(-way_W)};
 }
 
-// A hand pushes the tool at random, mostly toward a wall that is 10 mm from the flange or the elbow.
+// A hand pushes the tool at random, mostly toward a wall. The wall is 10 mm from the flange or the elbow.
 TEST(ServoZones, FlangeAndElbowStayInTheirZones) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -85,7 +85,7 @@ Vector3 PositionOf(ZonePoint point, const JointArray& q) {
       .translation();
 }
 
-// A wall 20 mm in +y from where one of the arm's points starts.
+// Parameters with a wall that lies 20 mm in +y from the start of this point of the arm.
 ServoParams WithWallBeside(ZonePoint point) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;
@@ -93,17 +93,18 @@ ServoParams WithWallBeside(ZonePoint point) {
   params.workspace.zones = {Wall(point, PositionOf(point, StartArray()), Vector3::UnitY(), 0.02)};
   return params;
 }
-// How far the point is beyond that wall [m]; negative inside its zone.
+// Distance of the point beyond the wall of WithWallBeside [m]; negative inside the zone.
 double DistancePastWall_m(ZonePoint point, const JointArray& q) {
   return (PositionOf(point, q) - PositionOf(point, StartArray())).y() - 0.02;
 }
 
-// A stop at any moment while a hand pushes the tool to the wall: each point comes to rest inside its zone.
+// A hand pushes the tool toward the wall, and a stop is requested at different moments. Each point must come
+// to rest inside its zone.
 TEST(ServoZones, AStopEndsInsideTheZones) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow})
     for (int moment = 40; moment < 400; moment += 40) {
       ServoParams params = WithWallBeside(point);
-      // the rotation stops later than the distance to the wall allows
+      // the rotation brakes so slowly that it takes longer to stop than the distance to the wall allows
       params.stop_deceleration_rad_per_s2 = 2.0;
       ServoBench bench(params, 10.0);
       bench.Run(3);
@@ -118,7 +119,8 @@ TEST(ServoZones, AStopEndsInsideTheZones) {
     }
 }
 
-// A stop may also brake each joint by a ramp of fixed time, however near the wall is: it ends inside as well.
+// A stop may also brake each joint by a ramp of fixed duration, whatever the distance to the wall. It must
+// end inside the zone as well.
 TEST(ServoZones, AStopAlongTheJointsEndsInsideTheZones) {
   for (const ZonePoint point : {ZonePoint::kApex, ZonePoint::kFlange, ZonePoint::kElbow}) {
     ServoParams params = WithWallBeside(point);
@@ -141,7 +143,8 @@ TEST(ServoZones, AStopAlongTheJointsEndsInsideTheZones) {
   }
 }
 
-// A stop along the joints also ends before the depth limit, whose bound is not one of the cell's zones.
+// A stop that brakes the joints must also end before the depth limit, although its bound is not one of the
+// cell's zones.
 TEST(ServoZones, AStopAlongTheJointsEndsBeforeTheDepthLimit) {
   ServoParams params = WithWallBeside(ZonePoint::kApex);
   params.depth = {.acts = true, .bound = params.workspace.zones.front()};
@@ -184,7 +187,7 @@ TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
       record = bench.Tick();
     }
   };
-  press(0.0, 30.0);  // a spring of 10 kN/m holds 30 N at 3 mm in the soft zone, 9 mm from the start
+  press(0.0, 30.0);  // the soft zone's spring of 10 kN/m balances 30 N at 3 mm, which is 9 mm from the start
   EXPECT_NEAR(depth_m(record), 0.009, 0.2e-3);
   EXPECT_EQ(bench.loop.cell_commands().spindle_rad_per_s, 20.0);
   EXPECT_TRUE(safety::LimitSet(record.limits).Has(Limit::kDepth));
@@ -201,8 +204,8 @@ TEST(ServoZones, ADepthLimitResistsThenStopsTheSpindleThenHolds) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A hand presses with 100 N, which stores 1 J in a spring of 5 kN/m. With a limit E the force stays below
-// sqrt(2 k E).
+// A hand presses with 100 N, which would store 1 J in a spring of k = 5 kN/m. If the stored energy is limited
+// to E, the force must stay below sqrt(2 k E).
 TEST(ServoLimits, TheLimitOfStoredEnergyBoundsTheForce) {
   const auto max_force_N = [](double energy_J, double stiffness_N_per_m) {
     ServoParams params = ServoBench::Params();
@@ -224,13 +227,13 @@ TEST(ServoLimits, TheLimitOfStoredEnergyBoundsTheForce) {
   EXPECT_GT(max_force_N(1.5, 5e3), 99.0) << "more than the hand asks for";
 }
 
-// Three bounds of the tool's speed: the cell's 0.4 m/s, 0.25 m/s in mode T1 (0), and that of the kinetic
-// energy.
+// The tool's speed has three bounds: the cell's 0.4 m/s, 0.25 m/s in operating mode T1 (value 0), and the
+// bound that follows from the kinetic energy. The lowest one must hold.
 TEST(ServoLimits, TheTightestBoundOfTheToolsSpeedHolds) {
   const auto peak_speed_m_per_s = [](double energy_J, std::uint8_t mode) {
     ServoParams params = ServoBench::Params();
     params.twist.max_speed_m_per_s = 0.4;
-    params.model_sight_m = 5e-3;  // frames are 2 ms old
+    params.model_sight_m = 5e-3;  // the frames are 2 ms old
     params.workspace.sphere_radius_m = 0.5;
     params.energy.max_kinetic_J = energy_J;
     params.energy.moving_mass_kg = 10.0;
@@ -250,8 +253,8 @@ TEST(ServoLimits, TheTightestBoundOfTheToolsSpeedHolds) {
   EXPECT_NEAR(peak_speed_m_per_s(0.2, 0), 0.2, 1e-3);
 }
 
-// The elbow moves at most 0.02 mm in a tick of 1 ms, by its limit of 0.02 m/s, however hard the hand pushes
-// the tool.
+// The elbow's speed limit of 0.02 m/s allows 0.02 mm in a tick of 1 ms, however hard the hand pushes the
+// tool.
 TEST(ServoLimits, TheElbowKeepsItsOwnSpeedLimit) {
   ServoParams params = ServoBench::Params();
   params.workspace.sphere_radius_m = 0.5;
@@ -271,8 +274,9 @@ TEST(ServoLimits, TheElbowKeepsItsOwnSpeedLimit) {
   EXPECT_FALSE(bench.loop.faults().Any());
 }
 
-// A spring that throws the tool back gives the hand at most the permitted power. The power is measured from
-// the commanded poses before and after each tick, independently of the velocity that the limit uses.
+// A spring that throws the tool back must not give the hand more than the permitted power. The test computes
+// the power from the commanded poses before and after each tick, and not from the velocity that the limit
+// uses.
 TEST(ServoLimits, PowerIntoTheHandIsBounded) {
   const auto max_power_W = [](double limit_W) {
     ServoParams params = ServoBench::Params();
@@ -282,7 +286,7 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     bench.Activate();
     bench.push_N = 150.0;
     bench.Run(2000);
-    bench.push_N = 0.0;  // released
+    bench.push_N = 0.0;  // the hand releases
     double max_W = 0.0;
     Pose before = bench.loop.tool_command().X_WT;
     for (int tick = 0; tick < 300; ++tick) {
@@ -298,7 +302,7 @@ TEST(ServoLimits, PowerIntoTheHandIsBounded) {
     return max_W;
   };
   EXPECT_GT(max_power_W(std::numeric_limits<double>::infinity()), 20.0) << "there is something to bound";
-  // 0.1 % tolerance: the tool's motion follows from joint positions that are rounded
+  // a tolerance of 0.1 %, because the tool's motion follows from rounded joint positions
   EXPECT_LE(max_power_W(12.0), 12.0 * 1.001);
   EXPECT_LE(max_power_W(5.0), 5.0 * 1.001);
 }

@@ -6,11 +6,13 @@
 
 namespace osteon::control {
 
-/// The parts of a servo loop that start and end a motion, connected as in the loop, with the admittance law.
+/// The parts of a servo loop that start and end a motion, connected as in the loop. The law is the admittance
+/// law.
 struct StartRig {
   explicit StartRig(const ServoParams& p = ServoBench::Params()) : params(p) {}
 
-  /// Handles one message of the standing arm, 1 ms after the last, and starts a motion if permitted.
+  /// Handles one message of the standing arm, 1 ms after the previous message, and starts a motion if that is
+  /// permitted.
   /// @returns whether rendering begins
   bool Tick() {
     now += rt::kMillisecond;

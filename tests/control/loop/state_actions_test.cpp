@@ -9,8 +9,7 @@ namespace {
 
 using safety::CellAction, safety::CellEvent, safety::CellState, safety::Fault;
 
-// A rendering loop whose commanded tool moves at 0.05 m/s: half of 0.1 m/s, because the motion is half faded
-// in.
+// A rendering loop whose commanded tool moves at 0.05 m/s: the law's 0.1 m/s times the fade of 0.5.
 struct MovingToolRig : StartRig {
   MovingToolRig() {
     actions.ApplyEvent(CellEvent::kArmSeen);

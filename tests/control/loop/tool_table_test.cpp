@@ -10,9 +10,9 @@
 namespace osteon::control {
 namespace {
 
-constexpr double kLonger_m = 0.001;  // the second tool's apex is this much further from the flange
+constexpr double kLonger_m = 0.001;  // distance by which the second tool's apex is farther from the flange
 
-// The second tool is longer and has guidance, the first has none.
+// A table of two tools. The second tool is longer and has guidance; the first has none.
 std::vector<LoopTool> TwoTools() {
   LoopTool first{.X_FT = ServoBench::FlangeToTool(), .sensor = ServoBench::Params().sensor};
   LoopTool second = first;

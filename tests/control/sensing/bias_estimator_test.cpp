@@ -23,7 +23,7 @@ const ForceSensorParams kSensor{.X_FS =
                                 .tool_mass_kg = 1.2,
                                 .tool_center_F_m = Vector3(0.01, 0.02, 0.12)};
 
-// The flange at a fixed place, turned about a fixed oblique axis.
+// Pose of the flange at a fixed position, rotated by turn_rad about a fixed oblique axis.
 Pose Flange(double turn_rad) {
   Pose X_WF = Pose::Identity();
   X_WF.linear() = ExpRotation(turn_rad * Vector3(1.0, 2.0, -2.0) / 3.0);
@@ -35,8 +35,8 @@ Wrench Sum(const Wrench& a, const Wrench& b) { return {.f = a.f + b.f, .t = a.t 
 
 const Wrench kBias{.f = {3.0, -4.0, 0.0}, .t = {0.2, 0.1, -0.3}};
 
-// Gives the estimator the readings of a tool that hangs still, with a bias and noise (of the torque: 0.05 Nm
-// for 1 N).
+// Gives the estimator the readings of a tool at rest, with this bias and noise. The torque's noise is 0.05 Nm
+// for 1 N of force noise.
 void HangStill(BiasEstimator& estimator, double seconds, const Wrench& bias, double noise_N = 0.0,
                double turn_rad = 0.3) {
   std::mt19937 random(1);
@@ -51,8 +51,8 @@ void HangStill(BiasEstimator& estimator, double seconds, const Wrench& bias, dou
   }
 }
 
-// ToolWeight and HandWrench check each other: a reading of the tool's weight alone leaves no wrench of a
-// hand.
+// Checks ToolWeight and HandWrench against each other: if the sensor reads the tool's weight alone, the
+// hand's wrench must be zero.
 TEST(BiasEstimator, HandWrenchOfTheToolsWeightAloneIsZero) {
   const Pose X_WF = Flange(1.1);
   const Wrench F = HandWrench(kSensor, ToolWeight(kSensor, X_WF), X_WF, X_WF * Vector3(0.0, 0.0, 0.3));
@@ -60,7 +60,8 @@ TEST(BiasEstimator, HandWrenchOfTheToolsWeightAloneIsZero) {
   EXPECT_LT(F.t.norm(), 1e-14);
 }
 
-// HandWrench already removes the calibrated bias, so the estimate may contain only its change since.
+// HandWrench already subtracts the calibrated bias. So the estimate may contain only the change of the bias
+// since the calibration.
 TEST(BiasEstimator, ACalibratedBiasIsNotSubtractedTwice) {
   ForceSensorParams calibrated = kSensor;
   calibrated.bias_S = kBias;
@@ -81,8 +82,8 @@ TEST(BiasEstimator, ACalibratedBiasIsNotSubtractedTwice) {
 TEST(BiasEstimator, EstimatesTheBiasAtRestToWithinTheNoisesMean) {
   BiasEstimator estimator({}, kSensor, kDt_s);
   HangStill(estimator, 1.0, kBias, 0.1);
-  // the mean of 500 samples (rest_s) has a standard deviation of 0.1 / sqrt(500) an axis; four of them are
-  // allowed
+  // the mean of 500 samples (rest_s) has a standard deviation of 0.1 / sqrt(500) per axis; up to four
+  // standard deviations are accepted
   EXPECT_LT((estimator.bias().f - kBias.f).norm(), 4.0 * std::sqrt(3.0) * 0.1 / std::sqrt(500.0));
   EXPECT_LT((estimator.bias().t - kBias.t).norm(), 4.0 * std::sqrt(3.0) * 0.005 / std::sqrt(500.0));
 }
@@ -96,7 +97,8 @@ TEST(BiasEstimator, ARestThatIsTooShortGivesNoBias) {
 TEST(BiasEstimator, AMovingOrTouchedToolGivesNoBias) {
   BiasEstimator moved({}, kSensor, kDt_s);
   for (int i = 0; i < 2000; ++i)
-    moved.AddReading(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))), Flange(1e-5 * i));  // 0.01 rad/s
+    moved.AddReading(Sum(kBias, ToolWeight(kSensor, Flange(1e-5 * i))),
+                     Flange(1e-5 * i));  // rotates at 0.01 rad/s
   EXPECT_EQ(moved.bias().f, Vector3::Zero());
 
   BiasEstimator touched({}, kSensor, kDt_s);
@@ -112,8 +114,9 @@ TEST(BiasEstimator, KeepsTheBiasOfTheLastAcceptedRest) {
   HangStill(estimator, 1.0, kBias);
   const Wrench accepted = estimator.bias();
   EXPECT_LT((accepted.f - kBias.f).norm(), 1e-12);
-  HangStill(estimator, 2.0,
-            {.f = {20.0, 0.0, 0.0}, .t = Vector3::Zero()});  // a hand that leans on it, or a broken sensor
+  HangStill(
+      estimator, 2.0,
+      {.f = {20.0, 0.0, 0.0}, .t = Vector3::Zero()});  // a hand that leans on the tool, or a broken sensor
   EXPECT_EQ(estimator.bias().f, accepted.f);
   estimator.AddReading(
       {.f = Vector3::Constant(std::numeric_limits<double>::quiet_NaN()), .t = Vector3::Zero()}, Flange(0.3));

@@ -26,7 +26,7 @@ Pose ToolAt(double x_m) {
   return X_WT;
 }
 
-// The sensor's reading while the tool hangs at rest and a hand pushes at its apex along x of the world.
+// The sensor's reading while the tool is at rest and a hand pushes at its apex along x of the world.
 ForceReading Reading(const ServoParams& params, double push_N, const Wrench& bias = {}) {
   const Pose X_WF = ToolAt(0.0) * ServoBench::FlangeToTool().inverse();
   Wrench F_S = ToolWeight(params.sensor, X_WF);
@@ -55,7 +55,7 @@ TEST(HandForce, IsZeroWithoutAFreshAndTrustedReading) {
 
 TEST(HandForce, SubtractsTheBiasOfARestFromEveryReading) {
   ServoParams params = ParamsWithTool();
-  // the accepted bias is at most the dead zone plus the drag of a creeping tool
+  // a bias is accepted up to the dead zone plus the drag of a creeping tool
   params.admittance.dead_zone_N = 3.0;
   params.admittance.dead_zone_Nm = 0.1;
   HandForce hand(params, ServoBench::FlangeToTool());
@@ -75,8 +75,9 @@ TEST(HandForce, APushBeyondTheLargestBiasIsNotTakenForABias) {
   EXPECT_EQ(hand.bias().f, Vector3::Zero());
 }
 
-// A sensor also measures the force that accelerates the tool. The loop subtracts inertia_share of it, and
-// finds the acceleration from poses and the time between two messages, whatever that time is.
+// A sensor also measures the force that accelerates the tool. The loop subtracts the share inertia_share of
+// it. It computes the acceleration from the poses and the time between two messages, so the result must not
+// depend on that time.
 TEST(HandForce, SubtractsAShareOfTheToolsInertiaAtAnyMessagePeriod) {
   ServoParams params = ParamsWithTool();
   params.sensor.inertia_share = 0.5;
@@ -85,7 +86,7 @@ TEST(HandForce, SubtractsAShareOfTheToolsInertiaAtAnyMessagePeriod) {
     hand.ResetMotion(ToolAt(0.0));
     Wrench F;
     double t_s = 0.0;
-    while (t_s < 0.2) {  // 2 m/s²
+    while (t_s < 0.2) {  // the tool accelerates at 2 m/s²
       t_s += period_s;
       F = hand.ComputeHandWrench(Reading(params, 0.0), 0.0, ToolAt(t_s * t_s), period_s);
     }

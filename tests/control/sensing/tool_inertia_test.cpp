@@ -9,14 +9,16 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/control/loop/servo_bench.h"
 
-// The force on the tool's own mass in a sensor's reading, and its compensation.
+// Tests the compensation of the tool's inertia: the force that accelerates the tool's own mass is part of the
+// sensor's reading.
 
 namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
 
-// A tool of four point masses. The oracle of the tests is Newton's law for each of them.
+// One of the four point masses of which the tool consists. The oracle of the tests is Newton's law for each
+// point mass.
 struct Point {
   double kg;
   Vector3 p_F_m;
@@ -26,7 +28,7 @@ const std::array<Point, 4> kPoints{{{0.4, {0.02, 0.0, 0.08}},
                                     {0.2, {0.01, -0.04, 0.20}},
                                     {0.5, {0.0, 0.01, 0.05}}}};
 
-// A sensor with that tool's mass, centre and inertia.
+// A sensor with the mass, centre and inertia of the tool of four point masses.
 ForceSensorParams Sensor() {
   ForceSensorParams sensor;
   Vector3 sum = Vector3::Zero();
@@ -64,8 +66,8 @@ TEST(ToolInertia, EqualsTheSumOfNewtonsLawOverTheToolsPoints) {
   EXPECT_LT((found.t - wanted.t).norm(), 1e-13 * wanted.t.norm());
 }
 
-// A swing with a known acceleration, at 1 Hz far below the filters' corner of 40 Hz. The estimate is late by
-// the filters' lag and one tick.
+// The tool swings at 1 Hz with a known acceleration, far below the filters' corner frequency of 40 Hz. The
+// estimate must equal the true acceleration, delayed by the filters' lag and one tick.
 TEST(ToolInertia, TheEstimatedAccelerationIsTheTrueOneDelayedByTheFilters) {
   const double hz = 1.0, w = 2.0 * std::numbers::pi * hz, filter_hz = 40.0;
   const auto pose = [&](double t) {
@@ -97,8 +99,8 @@ TEST(ToolInertia, RefusesParametersOutOfRange) {
   EXPECT_THROW(Validate(sensor), std::invalid_argument);
 }
 
-// An arm moves steadily while every 20th message gets lost. The double distance between the messages around
-// the gap must not count as an acceleration.
+// An arm moves steadily while every 20th message is lost. The messages before and after the gap are twice as
+// far apart, which must not count as an acceleration.
 TEST(ToolInertia, ALostMessageDoesNotCountAsAcceleration) {
   ServoParams params = ServoBench::Params();
   params.sensor = Sensor();
@@ -118,7 +120,7 @@ TEST(ToolInertia, ALostMessageDoesNotCountAsAcceleration) {
       continue;
     }
     kinematics::JointVector q = ServoBench::StartJoints();
-    q[0] += 0.08 * kDt_s * i;  // some 0.05 m/s at the tool
+    q[0] += 0.08 * kDt_s * i;  // about 0.05 m/s at the tool
     Eigen::Map<kinematics::JointVector>(state.q_meas.data()) = q;
     const rt::Nanoseconds now = rt::kSecond + i * rt::kMillisecond;
     state.stamp = now;

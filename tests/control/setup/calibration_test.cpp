@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Rotation about x, then y, then z of the fixed frame.
+// Rotation about the fixed axes x, then y, then z.
 Matrix3 Turn(double x_deg, double y_deg, double z_deg) {
   return (Eigen::AngleAxisd(z_deg * kDegree, Vector3::UnitZ()) *
           Eigen::AngleAxisd(y_deg * kDegree, Vector3::UnitY()) *
@@ -23,7 +23,7 @@ Matrix3 Turn(double x_deg, double y_deg, double z_deg) {
       .toRotationMatrix();
 }
 
-// Orientations of the sensor that turn gravity about two axes and more.
+// Orientations of the sensor. Together they rotate gravity about more than one axis, as the fit needs.
 const std::vector<Matrix3> kTurns{Turn(180, 0, 0),  Turn(150, 10, 5), Turn(200, -20, 30),
                                   Turn(180, 35, 0), Turn(120, 0, 80), Turn(170, -35, -60)};
 
@@ -34,8 +34,8 @@ struct Load {
   Wrench bias{.f = {1.5, -4.0, 7.0}, .t = {0.1, -0.2, 0.05}};
 };
 
-// Readings of a sensor that carries the load at rest in each orientation, with noise. Computed from the
-// weight's force and moment in the world, independently of the fit.
+// Readings of a sensor that carries the load at rest in each orientation, with noise. They are computed from
+// the force and moment of the weight in the world, independently of the fit.
 std::vector<RestPose> Readings(const Load& load, double noise_N = 0.0, double noise_Nm = 0.0) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -70,7 +70,8 @@ TEST(FitPayload, ItsResultLeavesNoHandWrenchForTheToolAlone) {
   const Load load;
   const auto fit = FitPayload(Readings(load));
   ASSERT_TRUE(fit);
-  // S is on the flange: use the loop's own compensation at poses that the fit has not seen
+  // S is at the flange: check the fit with the loop's own compensation, at poses that were not used for the
+  // fit
   const ForceSensorParams sensor{.tool_mass_kg = fit->mass_kg, .tool_center_F_m = fit->center_S_m};
   for (const Matrix3& R : {Turn(10, 20, 30), Turn(-90, 0, 0)}) {
     Pose X_WF = Pose::Identity();
@@ -99,7 +100,10 @@ TEST(FitPayload, SaysWhatThePosesLack) {
   EXPECT_NE(FitPayload(poses).error().find("found 3 poses"), std::string::npos);
   poses = Readings({});
   for (std::size_t i = 0; i < poses.size(); ++i)
-    poses[i].R_WS = Turn(0, 0, 30.0 * static_cast<double>(i));  // about gravity itself
+    poses[i].R_WS = Turn(
+        0, 0,
+        30.0 *
+            static_cast<double>(i));  // rotates about the direction of gravity, which the sensor can't detect
   EXPECT_NE(FitPayload(poses).error().find("two axes"), std::string::npos);
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i].R_WS = Turn(10.0 * static_cast<double>(i), 0, 0);
   EXPECT_NE(FitPayload(poses).error().find("one axis"), std::string::npos);
@@ -110,7 +114,7 @@ TEST(FitPayload, SaysWhatThePosesLack) {
   EXPECT_NE(FitPayload(poses).error().find("pose 3"), std::string::npos);
 }
 
-// Flange poses of an arm that holds the tool's tip on the point p_W, with a random error of off_m.
+// Flange poses of an arm that keeps the tool's tip at the point p_W, with a random position error of off_m.
 std::vector<Pose> FlangePosesWithTipOnAPoint(const Vector3& p_FT, const Vector3& p_W, double off_m) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;

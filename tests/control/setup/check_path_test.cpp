@@ -18,10 +18,12 @@ using kinematics::JointVector;
 using testing::HasSubstr;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kReach_m = 0.42 + 0.4 + 0.126;  // from the shoulder to the flange of a straight iiwa 14
+constexpr double kReach_m =
+    0.42 + 0.4 + 0.126;  // distance from shoulder to flange of an iiwa 14 with its arm stretched out
 const kinematics::ChainParams<7> kChain = kinematics::ChainFrom(kinematics::Iiwa14());
 
-// The arm stretched out horizontally, 0.36 m above its base's foot: A1 moves the flange on a circle.
+// Joints of the arm stretched out horizontally, 0.36 m above the foot of its base. A1 moves the flange on a
+// circle.
 JointVector StraightOut(double a1_rad, double a2_rad = kPi / 2.0) {
   JointVector q = JointVector::Zero();
   q[0] = a1_rad;
@@ -29,7 +31,7 @@ JointVector StraightOut(double a1_rad, double a2_rad = kPi / 2.0) {
   return q;
 }
 
-// Surroundings without obstacles, where only a ball of 10 mm at the flange is checked.
+// Surroundings without obstacles. Only a ball of 10 mm radius at the flange is checked.
 PathSurroundings FlangeAlone() {
   PathSurroundings around;
   around.balls = {{.name = "the flange", .radius_m = 0.01}};
@@ -52,7 +54,8 @@ TEST(CheckPath, SaysWhereAnArcMeetsASphere) {
   around.spheres = {{.center_W_m = {kReach_m, 0.0, 0.36}, .radius_m = 0.05}};
   const auto found = CheckPath<7>(kChain, StraightOut(-1.0), StraightOut(1.0), around);
   ASSERT_FALSE(found);
-  // the chord of 0.05 + 0.01 + 0.01 is met at A1 = -2 asin(0.07 / 2 / 0.946) = -0.074: 46 % of the path
+  // sphere, ball and clearance add up to 0.05 + 0.01 + 0.01 m. The flange is that near to the sphere's centre
+  // at A1 = -2 asin(0.07 / 2 / 0.946) = -0.074, thus at 46 % of the path
   EXPECT_THAT(found.error(), HasSubstr("at 46 % of the path: found the flange "));
   EXPECT_THAT(found.error(), HasSubstr(" mm clear of the bone, accepted 10.0 mm clear of it"));
 }
@@ -60,12 +63,13 @@ TEST(CheckPath, SaysWhereAnArcMeetsASphere) {
 TEST(CheckPath, RefusesAPathBeneathAPlane) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.1}};
-  // the flange ends at a height of 0.36 + 0.946 cos(1.9) = 0.054, the ball's foot beneath the plane at 0.1
+  // the flange ends at the height 0.36 + 0.946 cos(1.9) = 0.054, so the lower end of its ball is beneath the
+  // plane at 0.1
   auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(0.0, 1.9), around);
   ASSERT_FALSE(found);
   EXPECT_THAT(found.error(), HasSubstr("at 100 % of the path: found the flange 55.8 mm beneath the table"));
-  // A4 swings the flange from a height of -0.013, first 0.9 mm down, then up to 0.88: above a plane at -0.2,
-  // but a path that begins beneath a plane at 0.5 may not sink
+  // A4 moves the flange from a height of -0.013 first 0.9 mm down, then up to 0.88. The path is allowed above
+  // a plane at -0.2. With a plane at 0.5 it begins beneath the plane, and then it must not go down
   JointVector from = StraightOut(0.0, 1.2), goal = StraightOut(0.0, 1.2);
   from[3] = -2.0;
   goal[3] = 2.0;
@@ -80,7 +84,8 @@ TEST(CheckPath, AnArmThatBeginsBeneathAPlaneMayOnlyRise) {
   PathSurroundings around = FlangeAlone();
   around.planes = {{.name = "the table", .normal_W = Vector3::UnitZ(), .offset_m = 0.0}};
   EXPECT_TRUE(CheckPath<7>(kChain, StraightOut(0.0, 2.0), StraightOut(0.0, 1.0), around));
-  // heights 0.36 + 0.42 cos(A2) + 0.526 cos(A2 - A4): -0.034 at first, 0.017 at last, and lower in between
+  // the flange's height is 0.36 + 0.42 cos(A2) + 0.526 cos(A2 - A4): -0.034 at the beginning, 0.017 at the
+  // end, and lower in between
   JointVector goal = StraightOut(0.0, 1.2);
   goal[3] = -1.6;
   const auto found = CheckPath<7>(kChain, StraightOut(0.0, 2.0), goal, around);
@@ -112,10 +117,11 @@ TEST(CheckPath, RefusesEndsBeyondTheLimits) {
   EXPECT_FALSE(CheckPath<7>(kChain, goal, StraightOut(0.0), FlangeAlone()));
 }
 
-// Oracle: the rule evaluated at 3001 samples of the path with the closed-form arm, a few tenths of a
-// millimetre apart. An accepted path breaks no bound by more than the resolution; a refused path does break
-// one. The rule: the distance stays above the clearance or, if less, above the best distance so far or that
-// at the goal.
+// Oracle: the rule for the distance, evaluated at 3001 samples of the path (a few tenths of a millimetre
+// apart) with the closed-form arm. An accepted path may break a bound by the resolution at most; a refused
+// path must break one. The rule: the distance must stay above the clearance. If the distance at the beginning
+// or at the goal is smaller than the clearance, it must stay above the best distance so far, or above the
+// distance at the goal.
 TEST(CheckPath, AgreesWithDenseSampling) {
   const kinematics::LbrArm arm(kinematics::Iiwa14());
   std::mt19937_64 random(31);
@@ -133,7 +139,7 @@ TEST(CheckPath, AgreesWithDenseSampling) {
         unit(random), 0.6 * unit(random), unit(random);
     goal << unit(random), 0.8 + 0.4 * unit(random), 0.5 * unit(random), -1.4 + 0.4 * unit(random),
         unit(random), 0.6 * unit(random), unit(random);
-    // distances of the ball at share s of the path: from the nearest sphere, and above the plane [m]
+    // two distances of the ball at the share s of the path [m]: from the nearest sphere, and above the plane
     const auto distance = [&](double s) {
       const Vector3 p = arm.FlangePose(from + s * (goal - from)) * tip_F;
       double bone_m = 10.0;
@@ -170,7 +176,7 @@ TEST(CheckPath, ABallOnALinkMovesWithThatLink) {
   PathSurroundings around;
   around.balls = {{.name = "the elbow", .link = 3, .radius_m = 0.08}};
   around.planes = {{.name = "the table", .offset_m = 0.0}};
-  // the elbow of an arm stretched out horizontally, at the height of the shoulder
+  // the elbow of the arm stretched out horizontally, at the shoulder's height
   const auto found = CheckPath<7>(kChain, StraightOut(0.0), StraightOut(1.0), around);
   ASSERT_TRUE(found) << found.error();
   EXPECT_NEAR(found->min_distance_m, 0.36 - 0.08, 1e-9);

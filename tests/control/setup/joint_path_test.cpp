@@ -20,8 +20,8 @@ namespace {
 using kinematics::JointVector;
 
 constexpr double kDt_s = 0.001;
-constexpr double kLongTick_s = 0.004;  // cycle of a slower arm; makes long tests four times as fast
-// The tool's apex in the flange's frame.
+constexpr double kLongTick_s = 0.004;  // period of a slower arm, with which long tests run four times as fast
+// Position of the tool's apex in the flange's frame.
 const Vector3 kTool_F_m{0.02, -0.01, 0.18};
 const std::array<kinematics::JointLimits, 7>& Limits() { return kinematics::Iiwa14().limits; }
 
@@ -39,17 +39,18 @@ JointVector RandomPosture(std::mt19937_64& random, double share = 1.0) {
   return q;
 }
 
-// Largest values over a path, as shares of their limits, and the number of ticks.
+// Largest values over a path, each as a share of its limit, and the number of ticks.
 struct Peaks {
   double speed{0.0}, acceleration{0.0}, tool{0.0};
   int ticks{0};
-  int stood{0};  ///< ticks without motion
+  int stood{0};  ///< number of ticks without motion
 };
 
-// Runs a path to its end and asserts in every tick that joints and tool keep the limits and the line. Speeds
-// and accelerations are differences of the positions, and the tool's path is the closed-form arm's: the
-// checks do not rely on the path's own velocities. The tolerances allow for rounding, which the second
-// difference divides by dt^2. @param permitted  whether the path may move, by tick
+// Runs a path to its end. Asserts in every tick that joints and tool keep their limits and that the joints
+// stay on the straight line. Speeds and accelerations are differences of positions, and the tool's motion
+// follows from the closed-form arm, so the checks do not use the path's own velocities. The tolerances allow
+// for rounding, which the second difference divides by dt^2.
+// @param permitted  whether the path may move in this tick
 template <typename Permitted>
 void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector& from,
            const JointVector& goal, Permitted permitted, Peaks& peaks, double dt_s = kDt_s) {
@@ -78,8 +79,9 @@ void Drive(JointPath<7>& path, const JointPathParams& params, const JointVector&
       peaks.speed = std::max(peaks.speed, speed);
       peaks.acceleration = std::max(peaks.acceleration, acceleration);
     }
-    // the reported velocity: the mean over the tick lies between the velocities at its ends, or outside by at
-    // most dt^2 times the jerk (1e3 rad/s^3) if the maximum is within the tick
+    // checks the reported velocity: the mean velocity over a tick must lie between the reported velocities at
+    // both ends of the tick. It may lie outside by dt^2 times the jerk (1e3 rad/s^3), if the maximum is
+    // within the tick
     const double mean = line.dot(step) / dt_s, ends = line.dot(out.qd + qd_before) / 2.0;
     ASSERT_LE(std::abs(mean - ends), std::abs(line.dot(out.qd - qd_before)) / 2.0 + 1e3 * dt_s * dt_s)
         << "tick " << tick;
@@ -112,7 +114,7 @@ TEST(JointPath, AThousandRandomPathsKeepEveryLimitAndTheLine) {
   JointPath<7> path = MakePath(params);
   double min_peak = 1.0;
   for (int pair = 0; pair < 1000; ++pair) {
-    // from short paths to the whole range
+    // path lengths from a thousandth of the range to the whole range
     const JointVector from = RandomPosture(random);
     const JointVector goal = from + std::pow(10.0, -(pair % 4)) * (RandomPosture(random) - from);
     Peaks peaks;
@@ -120,7 +122,7 @@ TEST(JointPath, AThousandRandomPathsKeepEveryLimitAndTheLine) {
         path, params, from, goal, [](int) { return true; }, peaks, kLongTick_s);
     if (HasFatalFailure()) FAIL() << "pair " << pair;
     EXPECT_LE(peaks.ticks * kLongTick_s, path.duration_s() + params.pause_s / 3.0 + 2 * kLongTick_s);
-    // a short path ends before the clock reaches its full rate
+    // a short path ends before the clock reaches its full rate, so it is not counted
     if (path.duration_s() > 5.0) min_peak = std::min(min_peak, std::max(peaks.speed, peaks.tool));
   }
   EXPECT_GT(min_peak, 0.75)
@@ -136,7 +138,8 @@ TEST(JointPath, PathsPausedAtRandomTimesKeepEveryLimitAndTheLine) {
     for (int pair = 0; pair < 40; ++pair) {
       const JointVector from = RandomPosture(random), goal = from + 0.3 * (RandomPosture(random) - from);
       bool held = true;
-      // mean time between changes: during a change of the clock's rate, and long after it
+      // mean number of ticks between changes of the permission: some during a change of the clock's rate,
+      // others long after it
       const int mean_ticks = pair % 2 == 0 ? 60 : 700;
       Peaks peaks;
       Drive(
@@ -151,8 +154,8 @@ TEST(JointPath, PathsPausedAtRandomTimesKeepEveryLimitAndTheLine) {
   }
 }
 
-// On a short path the accelerations are the tightest limit. A pause adds to them, wherever on the path it
-// begins.
+// On a short path, the limits on acceleration are the tightest. A pause adds to the accelerations, wherever
+// on the path it begins.
 TEST(JointPath, AShortPathPausedAtAnyPlaceKeepsTheAccelerationLimits) {
   const JointPathParams params{.speed_share = 1.0, .acceleration_share = 0.3};
   JointPath<7> path = MakePath(params);

@@ -12,16 +12,17 @@ namespace osteon::control {
 namespace {
 
 constexpr double kDt_s = 0.001;
-constexpr double kPause_s = 0.5;  // longest time to rest after the permission ends
+constexpr double kPause_s = 0.5;  // longest time from the end of the permission to rest
 
-// From rest the rate rises to 1 along two parabolas of 1/3 pause each. Its mean is 1/2, so the clock falls
-// behind by half of 2/3 pause. Coming to rest is the mirror image.
+// From rest, the clock's rate rises to 1 along two parabolas, each of which lasts 1/3 of the pause time. The
+// mean rate meanwhile is 1/2, so the clock loses half of 2/3 of the pause time. The way to rest is the mirror
+// image.
 TEST(PausableClock, StartsAndStopsInTwoThirdsOfThePause) {
   PausableClock clock(kPause_s);
   double own_s = 0.0;
   for (int i = 0; i < 1000; ++i) {
     own_s += clock.Step(kDt_s, true);
-    const double x = (i + 1) * kDt_s / kPause_s;  // rate 9 x^2 / 2, up to x = 1/3
+    const double x = (i + 1) * kDt_s / kPause_s;  // up to x = 1/3, the rate is 9 x^2 / 2
     if (x < 1.0 / 3.0) {
       ASSERT_NEAR(clock.rate(), 4.5 * x * x, 1e-12);
     }
@@ -36,7 +37,7 @@ TEST(PausableClock, StartsAndStopsInTwoThirdsOfThePause) {
   EXPECT_NEAR(own_s, kPause_s / 3.0, 1e-12);
 }
 
-// Steps are integrated exactly, so 20 steps of 1 ms give the same as one of 20 ms.
+// Steps are integrated exactly. So 20 steps of 1 ms must give the same result as one step of 20 ms.
 TEST(PausableClock, ManyShortStepsEqualOneLongStep) {
   PausableClock fine(kPause_s), coarse(kPause_s);
   std::mt19937_64 random(11);
@@ -47,14 +48,16 @@ TEST(PausableClock, ManyShortStepsEqualOneLongStep) {
     for (int run = steps(random); run > 0; --run) {
       coarse_s += coarse.Step(0.02, permitted);
       for (int k = 0; k < 20; ++k) fine_s += fine.Step(kDt_s, permitted);
-      ASSERT_NEAR(coarse.rate(), fine.rate(), 1e-9);  // 20 roundings, and a root near its zero
+      ASSERT_NEAR(coarse.rate(), fine.rate(),
+                  1e-9);  // tolerance for 20 roundings and for a root of a number near zero
       ASSERT_NEAR(coarse_s, fine_s, 1e-9 * (1.0 + fine_s));
     }
   }
 }
 
 TEST(PausableClock, RestsWithinThePauseWheneverPermissionEnds) {
-  const double max_rate_acceleration = 9.0 / (kPause_s * kPause_s);  // the bound of r'' [1/s^2]
+  const double max_rate_acceleration =
+      9.0 / (kPause_s * kPause_s);  // bound on r'', the second derivative of the rate r [1/s^2]
   std::mt19937_64 random(12);
   PausableClock clock(kPause_s);
   double rate_before = 0.0, speed_before = 0.0;
@@ -65,7 +68,8 @@ TEST(PausableClock, RestsWithinThePauseWheneverPermissionEnds) {
     const double own_s = clock.Step(kDt_s, permitted);
     ASSERT_TRUE(own_s >= 0.0 && own_s <= kDt_s);
     ASSERT_TRUE(clock.rate() >= 0.0 && clock.rate() <= 1.0);
-    // the mean of r' over a tick; from one tick's mean to the next, r' changes for at most one period
+    // mean of r', the derivative of the rate r, over one tick. Between the means of two successive ticks, r'
+    // changes for at most one period
     const double speed = (clock.rate() - rate_before) / kDt_s;
     ASSERT_LE(std::abs(speed), PausableClock::MaxRateSpeed(kPause_s) * (1.0 + 1e-9));
     ASSERT_LE(std::abs(speed - speed_before), max_rate_acceleration * kDt_s * (1.0 + 1e-9) + 1e-12);

@@ -21,18 +21,19 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kT = 1e-3;  // period of a tick [s]
 
-// Random contacts, dampings and numbers from one seed.
+// Draws random contacts, dampings and numbers from one seed.
 class RandomContact {
  public:
   explicit RandomContact(std::uint64_t seed) : bits_(seed) {}
   double Uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(bits_); }
-  /// Uniform in the logarithm.
+  /// A random number whose logarithm is uniform.
   double Spread(double low, double high) { return std::exp(Uniform(std::log(low), std::log(high))); }
   Vector3 Direction() {
     std::normal_distribution<double> normal;
     return Vector3::NullaryExpr([&] { return normal(bits_); }).normalized();
   }
-  /// A coupling that touches 1 to 3 planes of one stiffness, with levers up to 0.15 m and forces up to 200 N.
+  /// A coupling that touches 1 to 3 planes of equal stiffness, with levers up to 0.15 m and forces up to 200
+  /// N.
   CouplingOutput Coupling() {
     CouplingOutput out;
     out.fade = Uniform(0.1, 1.0);
@@ -55,8 +56,8 @@ class RandomContact {
   std::mt19937_64 bits_;
 };
 
-// Oracle: the sum of stiffnesses times their ages, a_1 K_1 + a_2 K_2 as AgeRatio defines them, as a 6 x 6
-// matrix by Eigen. The shipped code computes the bound without these matrices.
+// Oracle: the sum of stiffnesses times their ages, a_1 K_1 + a_2 K_2 as in AgeRatio, as a 6 x 6 matrix of
+// Eigen. The shipped code computes its bound without these matrices.
 Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double radius_m) {
   const int m = c.active_planes;
   Eigen::MatrixXd N(3, m), A(6, m);
@@ -80,7 +81,7 @@ Matrix6 AgedStiffness(const CouplingOutput& c, const StiffnessAges& ages, double
   return K;
 }
 
-// The damping D, given along the tool's axes at its centre, as a 6 x 6 matrix in W at To.
+// The damping D, which is given along the tool's axes at the centre, as a 6 x 6 matrix in W at To.
 Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor) {
   const Vector3& c = D.centre_T_m;
   Matrix6 at_centre = Matrix6::Identity(), turn = Matrix6::Zero();
@@ -92,7 +93,7 @@ Matrix6 DampingInWorld(const AxisDamping& D, const Matrix3& R_WT, double factor)
   return turn * in_T * turn.transpose();
 }
 
-// Solutions lambda of det(K - lambda D) = 0, ascending.
+// The solutions lambda of det(K - lambda D) = 0 in ascending order.
 Eigen::Matrix<double, 6, 1> GeneralisedEigenvalues(const Matrix6& K, const Matrix6& D) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(K, D, Eigen::EigenvaluesOnly).eigenvalues();
 }
@@ -114,12 +115,14 @@ TEST(AgeGovernor, DampingExceedsAgeTimesStiffnessForAnyContact) {
     const double largest =
         GeneralisedEigenvalues(1.02 * K, DampingInWorld(D, R_WT, governor.damping_factor()))[5];
     ASSERT_LE(largest, 1.0 + 1e-6) << "contact "
-                                   << i;  // the oracle loses digits by the conditioning of N^T N
+                                   << i;  // the oracle's precision suffers from the conditioning of N^T N,
+                                          // the matrix of the planes' normals
     if (governor.wrench_scale() < 1.0)
       ++by_scale;
     else
       ++(governor.damping_factor() > 1.0 ? by_damping : idle);
-    // the bound is at most 9 % above the eigenvalue, and the governor does not act for less
+    // if the governor acts, its bound exceeded 1. The bound is at most 9 % above the true eigenvalue, so the
+    // eigenvalue is at least 1 / 1.1
     if (governor.acted()) {
       ASSERT_GE(largest, 1.0 / 1.1) << "contact " << i;
     }
@@ -129,9 +132,10 @@ TEST(AgeGovernor, DampingExceedsAgeTimesStiffnessForAnyContact) {
   EXPECT_GT(idle, 300);
 }
 
-// By the design (control.md) a pose of age a, at a lever L with damping b and b_r, allows a stiffness of
-// 1 / (a (1/b + L^2/b_r)): with a = 5 ms, b = 100 N s/m and b_r = 0.5 N m s/rad 3636 N/m at 0.15 m, and 20
-// 000 N/m without a lever. At this stiffness the ratio is 1, times the margin of 1.02.
+// By the design (control.md), a pose of age a at a lever L, with the damping b and the rotational damping
+// b_r, allows a stiffness of 1 / (a (1/b + L^2/b_r)). For a = 5 ms, b = 100 N s/m and b_r = 0.5 N m s/rad,
+// that is 3636 N/m with L = 0.15 m, and 20 000 N/m with L = 0. At this stiffness the ratio must equal the
+// margin of 1.02.
 TEST(AgeGovernor, AllowsTheDesignsStiffnessWithAndWithoutALever) {
   const AxisDamping D{.Ns_per_m = Vector3::Constant(100.0), .Nms_per_rad = Vector3::Constant(0.5)};
   for (const auto& [lever_m, max_stiffness_N_per_m] : {std::pair{0.15, 3636.0}, std::pair{0.0, 20e3}}) {
@@ -157,8 +161,8 @@ TEST(AgeGovernor, OldPlanesNeedDampingOnlyForTheRotationOfTheirNormals) {
   EXPECT_EQ(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025), 0.0)
       << "three normals cover every direction";
   coupling.active_planes = 1;
-  // a rotating normal gives 100 N / 25 mm = 4 kN/m in two equal directions, at 20 ms: the bound is 2^(1/16)
-  // too high
+  // the rotation of the normal contributes 100 N / 25 mm = 4 kN/m in two directions, at an age of 20 ms. With
+  // two equal directions, the bound is too high by the factor 2^(1/16)
   EXPECT_NEAR(AgeRatio(coupling, Matrix3::Identity(), D, {.planes_s = 0.02}, 0.025) / std::pow(2.0, 1.0 / 16),
               1.02 * 0.02 * 4e3 * (1.0 / 20.0 + 0.025 * 0.025 / 1.5), 1e-9);
 }
@@ -175,7 +179,7 @@ TEST(AgeGovernor, RisesAtOnceAndReturnsToOneSlowly) {
   EXPECT_GT(held, 4.0);
   coupling.active_planes = 0;
   double before = held;
-  for (int i = 0; i < 200; ++i) {  // one time constant of the release, 0.2 s
+  for (int i = 0; i < 200; ++i) {  // 200 ms, the time constant of the release
     governor.Step(coupling, Matrix3::Identity(), D, {});
     ASSERT_LT(governor.damping_factor(), before);
     before = governor.damping_factor();
@@ -193,7 +197,8 @@ TEST(AgeGovernor, CountsTheArmsOwnDampingIfConfigured) {
   coupling.active_planes = 1;
   coupling.active[0] = {.stiffness_N_per_m = 20e3, .force_N = 0.0};
   const StiffnessAges ages{.pose_s = 3.5e-3, .planes_s = 3.5e-3};
-  // the contact needs 1.02 * 3.5 ms * 20 kN/m = 71.4 N s/m: more than the law's 10, less than 10 + 80
+  // the contact needs 1.02 * 3.5 ms * 20 kN/m = 71.4 N s/m. The law's 10 N s/m alone are too little; together
+  // with the arm's 80 N s/m they suffice
   AgeGovernor alone({}, kT), helped({.arm_damping_Ns_per_m = 80.0}, kT),
       short_of_it({.arm_damping_Ns_per_m = 50.0}, kT);
   alone.Step(coupling, Matrix3::Identity(), law, ages);
@@ -204,15 +209,15 @@ TEST(AgeGovernor, CountsTheArmsOwnDampingIfConfigured) {
   EXPECT_NEAR(10.0 * short_of_it.damping_factor() + 50.0, 1.02 * 3.5e-3 * 20e3, 1e-9);
 }
 
-// A ball of 25 mm radius is pressed with 150 N into a bowl of 50 mm radius, by a hand that holds it only
-// lightly sideways. The bowl is rendered by one plane for the ball's place age_s ago, renewed every hold_s.
-// @returns largest distance of the ball from the bowl's axis after 1.5 of 2 s [m]; it begins 1 mm off. If the
-// ball
-//   climbs the wall, the distance at that moment.
+// A ball of 25 mm radius is pressed with 150 N into a bowl of 50 mm radius. Sideways, the hand holds the ball
+// only weakly. The bowl is rendered by one plane at the place that the ball had age_s ago. The plane is
+// renewed every hold_s.
+// @returns the largest distance [m] of the ball from the bowl's axis between 1.5 s and 2 s; the ball begins 1
+// mm off the axis. If the ball climbs the bowl's wall, the distance at that moment.
 double SwingInABowl_m(bool governed, double age_s, double hold_s) {
   constexpr double kRadius_m = 0.025, kBowl_m = 0.05, kPush_N = 150.0, kStiffness = 20e3;
   const double floor_m =
-      kBowl_m - kRadius_m;  // depth of the ball's centre (T's origin) below the bowl's centre
+      kBowl_m - kRadius_m;  // depth of the ball's centre (the origin of T) below the bowl's centre
   const AdmittanceParams law;
   AgeGovernor governor({.acts = governed, .tool_radius_m = kRadius_m}, kT);
   CouplingParams params;
@@ -268,7 +273,7 @@ TEST(AgeGovernor, ABallInABowlOfOldPlanesRestsWithTheGovernorAndSwingsWithout) {
     EXPECT_GT(without, 2e-3) << age_s << " held " << hold_s;
     EXPECT_LT(with, 0.5e-3) << age_s << " held " << hold_s;
   }
-  // with fresh frames there is nothing to do
+  // with fresh frames the governor is not needed
   EXPECT_LT(SwingInABowl_m(false, 0.0, 0.001), 0.5e-3);
 }
 
@@ -288,7 +293,7 @@ TEST(AgeGovernor, RefusesParametersOutOfRange) {
   EXPECT_THROW(AgeGovernor({.release_s = std::nan("")}, kT), std::invalid_argument);
 }
 
-// Gains that change while the loop renders change the damping that the governor scales.
+// Gains that change while the loop renders also change the damping that the governor scales.
 TEST(AgeGovernor, FollowsAChangeOfTheLawsDamping) {
   const auto law_with = [](double Ns_per_m) {
     return StabilisedLaw{

@@ -15,10 +15,10 @@ namespace osteon::control {
 namespace {
 
 constexpr double kT = 1e-3;                   // period of a tick [s]
-constexpr double kSoft = 2e3, kStiff = 20e3;  // stiffnesses of the wall [N/m]
+constexpr double kSoft = 2e3, kStiff = 20e3;  // the two stiffnesses of the wall [N/m]
 
-// A virtual tool, moved by the shipped admittance law, in front of a wall that each frame may change. An
-// energy tank scales the wall's force.
+// A virtual tool in front of a wall. The shipped admittance law moves the tool, each frame may change the
+// wall, and an energy tank scales the wall's force.
 struct WallBench {
   CouplingParams params;
   CouplingState state;
@@ -41,13 +41,13 @@ struct WallBench {
   }
   [[nodiscard]] double z() const { return tool.X_WT.translation().z(); }
 
-  /// A new frame with the wall at this height, of this stiffness [N/m].
+  /// Begins a new frame, with the wall at this height and with this stiffness [N/m].
   void Frame(double stiffness, double height_m = 0.0) {
     ++model.frame;
     model.contacts[0].stiffness_N_per_m = stiffness;
     model.contacts[0].p_W_m = Vector3(0.0, 0.0, height_m);
   }
-  /// One tick, in which a hand pushes toward the wall.
+  /// Runs one tick, in which a hand pushes the tool toward the wall.
   void Tick(double push_N) {
     const rt::Nanoseconds now = ++tick * rt::kMillisecond;
     model.pose_stamp = now;
@@ -65,9 +65,9 @@ struct WallBench {
   Vector3 p_W_{Vector3::Zero()};
 };
 
-// A tool that is pushed with 20 N bounces on a wall that is soft on the way in and ten times as stiff on the
-// way out: each bounce pumps energy into the tool.
-// @param min_J  if given, the tank's lowest energy  @returns total energy that the wall has given [J]
+// A hand pushes a tool with 20 N onto a wall, on which it bounces. The wall is soft on the way in and ten
+// times as stiff on the way out, so each bounce adds energy to the tool.
+// @param min_J  if given, receives the tank's lowest energy @returns total energy that the wall has given [J]
 double PumpedEnergy_J(bool acts, int ticks, double* min_J = nullptr) {
   WallBench bench({.acts = acts});
   bench.tool.X_WT.translation().z() = 5e-3;
@@ -86,13 +86,14 @@ TEST(EnergyTank, AWallThatStiffensAfterEntryGivesNoMoreThanTheTankHeld) {
   RecordProperty("made_without_J", std::to_string(without));
   RecordProperty("made_with_J", std::to_string(with));
   EXPECT_GT(without, 5.0) << "thrown more than 25 cm high";
-  // the tank's cap of 1 J; 0.05 J for the spring's energy at the end and the error of a first touch
+  // at most the tank's cap of 1 J, plus 0.05 J for the spring's energy at the end and the error of a first
+  // contact
   EXPECT_LT(with, 1.0 + 0.05);
   EXPECT_EQ(min_J, 0.0) << "it was emptied";
 }
 
-// The same bouncing for longer: from the time when the tank is empty, the wall gives no more than the tank
-// held.
+// The same bouncing for a longer time. From the moment at which the tank is empty, the wall must not give
+// more energy than the tank held.
 TEST(EnergyTank, AnEmptyTankLetsNoMoreEnergyOut) {
   WallBench bench({});
   bench.tool.X_WT.translation().z() = 5e-3;
@@ -107,8 +108,8 @@ TEST(EnergyTank, AnEmptyTankLetsNoMoreEnergyOut) {
   EXPECT_LT(max_J, 1.05);
 }
 
-// 200 times a second the wall jumps to a random height and stiffness, under a hand that pushes with a
-// changing force.
+// The wall jumps to a random height and stiffness 200 times per second, while a hand pushes with a changing
+// force.
 TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
@@ -127,7 +128,7 @@ TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
       with.Tick(push);
       without.Tick(push);
       max_J = std::max(max_J, with.made_J);
-      // a hand damps both tools, so that they stay near the wall
+      // both tools are damped, as by a hand, so that they stay near the wall
       with.tool.V_WT.v *= 0.995;
       without.tool.V_WT.v *= 0.995;
     }
@@ -136,16 +137,16 @@ TEST(EnergyTank, GivesOutAtMostTheCapBeyondWhatWentIn) {
   }
 }
 
-// A frame makes the wall ten times as stiff while the tool is 5 mm deep. A tank of 1 J pays for the energy,
-// and the force rises tenfold at once; an empty tank cannot pay, and the force stays.
+// While the tool is 5 mm deep, a frame makes the wall ten times as stiff. A tank of 1 J can pay for the
+// energy, so the force rises tenfold at once. An empty tank cannot pay, so the force must not change.
 TEST(EnergyTank, AStifferWallIsRenderedAtOnceIfPaidForAndElseWithoutAStep) {
   double left_J = 0.0;
-  // @returns the force after the wall becomes ten times as stiff, relative to the force before
+  // @returns ratio of the force after the wall has become ten times as stiff to the force before
   const auto hand_over = [&](double cap_J) {
     WallBench bench({.cap_J = cap_J});
     bench.Frame(kSoft);
     bench.Tick(0.0);                            // the tool touches the wall
-    bench.tool.X_WT.translation().z() = -5e-3;  // placed 5 mm deep: 10 N of the soft wall
+    bench.tool.X_WT.translation().z() = -5e-3;  // moved to a depth of 5 mm: the soft wall's force is 10 N
     bench.Tick(10.0);
     bench.tool.V_WT = {};
     const double before_N = bench.f_W.z();
@@ -159,8 +160,8 @@ TEST(EnergyTank, AStifferWallIsRenderedAtOnceIfPaidForAndElseWithoutAStep) {
   EXPECT_NEAR(hand_over(0.0), 1.0, 0.01) << "no step";
 }
 
-// After the tank was empty, the scale of the force returns slowly: the safety trip on the force's rate, at
-// 1.5 K v_max, never reacts.
+// After the tank was empty, the scale of the force returns to 1 slowly, so that the safety trip on the
+// force's rate (limit 1.5 K v_max) never acts.
 TEST(EnergyTank, TheForceReturnsWithoutAStep) {
   WallBench bench({.cap_J = 1.0});
   bench.Frame(kSoft);
@@ -169,7 +170,7 @@ TEST(EnergyTank, TheForceReturnsWithoutAStep) {
   safety::WrenchRateTrip trip(kStiff, 0.25);
   for (int i = 0; i < 3; ++i) bench.Tick(18.0);
   bench.tool.V_WT = {};
-  // empty the tank: the wall's stiffness alternates while the tool is held in place
+  // empties the tank: the wall's stiffness alternates while the tool is held in place
   for (int i = 0; i < 8; ++i) {
     bench.Frame(i % 2 == 0 ? kStiff : kSoft);
     bench.Tick(18.0);
@@ -186,10 +187,11 @@ TEST(EnergyTank, TheForceReturnsWithoutAStep) {
   }
 }
 
-// A hand presses with 60 N on a stable wall whose frames differ by up to 20 um, as a real engine's do. A tank
-// of 1 J does not change the wall; a tank of 0.1 mJ cannot pay for these differences and softens it.
+// A hand presses with 60 N on a stable wall. Its frames differ by up to 20 um, as those of a real engine do.
+// A tank of 1 J must leave the wall unchanged. A tank of 0.1 mJ cannot pay for the differences and softens
+// the wall.
 TEST(EnergyTank, ATankThatIsTooSmallSoftensAStableWall) {
-  // @returns largest deviation from the depth of the spring under 60 N, in the second half [m]
+  // @returns largest deviation [m] from the spring's static depth under 60 N, in the second half of the run
   const auto depth_error = [](double cap_J, double* min_scale) {
     WallBench bench({.cap_J = cap_J});
     bench.law.damping_Ns_per_m.setConstant(200.0);
@@ -216,8 +218,9 @@ TEST(EnergyTank, ATankThatIsTooSmallSoftensAStableWall) {
   RecordProperty("off_um_at_.1_mJ", std::to_string(1e6 * small_m));
 }
 
-// The tool moves on closed paths in all six axes over planes that do not change. The spring's energy U is
-// then a potential, so the tank pays nothing and keeps its energy, except for losses at a plane's edge.
+// The tool moves on closed paths in all six axes over planes that do not change. The energy U of their
+// springs is then a potential, so the tank must pay nothing. It keeps its energy, except for losses at a
+// plane's edge.
 TEST(EnergyTank, UnchangedPlanesCostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 bits(seed);
@@ -247,13 +250,15 @@ TEST(EnergyTank, UnchangedPlanesCostNothing) {
       Pose X_WT = Pose::Identity();
       X_WT.translation() = 0.5e-3 * std::sin(phase) * way;
       X_WT.linear() = ExpRotation(0.02 * (1.0 - std::cos(phase)) * turn);
-      model.frame = static_cast<std::uint64_t>(i + 1);  // the same planes, but a new frame each time
+      model.frame = static_cast<std::uint64_t>(i + 1);  // each frame has the same planes but a new number
       const rt::Nanoseconds now = (i + 1000) * rt::kMillisecond;
       model.pose_stamp = now;
       const CouplingOutput coupling =
           EvaluateCoupling(params, {.model = model, .X_WT = X_WT, .now = now}, state);
       ASSERT_EQ(tank.Step(coupling, X_WT, {}, 1.0), 1.0);
-      if (i == 0) begun_J = tank.energy_J();  // planes that appear with the tool already in them cost energy
+      if (i == 0)
+        begun_J = tank.energy_J();  // do not count the first frame: its planes appear with the tool already
+                                    // in them, which costs energy
       min_J = std::min(min_J, tank.energy_J());
     }
     EXPECT_GT(min_J, begun_J - 2e-3) << "seed " << seed << ": of some 70 mJ that go in and out";

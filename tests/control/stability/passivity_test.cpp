@@ -14,7 +14,7 @@ namespace {
 constexpr double kT = 1e-3;  // period of a tick [s]
 constexpr double kK = 20e3;  // stiffness of the spring [N/m]
 
-// The coupling's port in one tick of a motion along z. A force counts as contact.
+// The values at the coupling's port in one tick of a motion along z. A force above 0 counts as contact.
 PortTick PortAt(double z_m, double v_m_per_s, double force_N, double potential_J) {
   PortTick port{.F_T_W = {.f = force_N * Vector3::UnitZ(), .t = Vector3::Zero()},
                 .potential_J = potential_J,
@@ -25,7 +25,8 @@ PortTick PortAt(double z_m, double v_m_per_s, double force_N, double potential_J
 }
 
 // A tool swings on a spring, moved by the shipped law in all six axes. A spring generates no energy, and the
-// trapezoidal sum finds none. Forces that are held for a tick do generate energy, and the other sum finds it.
+// sum by the trapezoidal rule must find none. Forces that are held constant for a tick do generate energy,
+// and the sum for held forces must find it.
 TEST(Passivity, ASpringMakesNoEnergyByTheTrapezoidAndSomeByHeldForces) {
   PassivityParams params{.acts = false, .allowance_J = 0.0};
   PassivityController trapezoid(params, PortWork::kTrapezoid, kT, 1e6),
@@ -40,7 +41,7 @@ TEST(Passivity, ASpringMakesNoEnergyByTheTrapezoidAndSomeByHeldForces) {
     const Vector3 d = tool.X_WT.translation();
     const Vector3 turn = LogRotation(tool.X_WT.linear());
     const Wrench F{.f = -kK * (d + Vector3(0, 0, 3e-3)), .t = -20.0 * turn + Vector3(0.02, 0, 0)};
-    // a potential so large that nothing is forgotten
+    // the stored energy is so large that the controller forgets no dissipated energy
     const PortTick port{
         .F_T_W = F, .potential_J = 1e3, .contact = true, .X_WT = tool.X_WT, .V_WT = tool.V_WT};
     static_cast<void>(trapezoid.Step(port));
@@ -50,14 +51,14 @@ TEST(Passivity, ASpringMakesNoEnergyByTheTrapezoidAndSomeByHeldForces) {
     held_J = std::max(held_J, held.energy_J());
     ASSERT_TRUE(StepAdmittance(law, F, kT, tool));
   }
-  // at most the energy of the spring's initial stretch of 1 mm, 10 mJ, and that of the torque
+  // at most the energy of the spring's initial stretch of 1 mm (10 mJ) plus the energy of the torque
   EXPECT_LT(max_J, 0.0101);
   EXPECT_GT(held_J, 0.1) << "K v^2 T^2 / 2 a tick";
 }
 
 TEST(Passivity, EnergyDissipatedLongAgoDoesNotHideEnergyMadeNow) {
   PassivityController controller({.allowance_J = 0.02}, PortWork::kTrapezoid, kT, 1e6);
-  // a minute of cutting: 100 N against a motion of 10 mm/s, 1 W
+  // a minute of cutting: 100 N act against a motion of 10 mm/s, which dissipates 1 W
   double z = 0.0;
   for (int i = 0; i < 60'000; ++i) {
     z -= 10e-3 * kT;
@@ -65,7 +66,7 @@ TEST(Passivity, EnergyDissipatedLongAgoDoesNotHideEnergyMadeNow) {
     ASSERT_GE(controller.energy_J(), -0.27 - 1e-12);
   }
   EXPECT_NEAR(controller.energy_J(), -0.27, 1e-12) << "what the spring holds, and the allowance";
-  // then 100 N push the tool out: after 2.7 mm the coupling has given 0.27 J, all that may come back
+  // then 100 N push the tool out. After 2.7 mm the coupling has given 0.27 J, the most that may come back
   double out_m = 0.0;
   while (!controller.acted() && out_m < 0.1) {
     z += 20e-3 * kT;
@@ -78,15 +79,16 @@ TEST(Passivity, EnergyDissipatedLongAgoDoesNotHideEnergyMadeNow) {
 TEST(Passivity, DissipatesGeneratedEnergyWithinOneTick) {
   PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);
   static_cast<void>(controller.Step(PortAt(0.0, 0.1, 10.0, 0.0)));
-  const Wrench F = controller.Step(PortAt(0.1e-3, 0.1, 10.0, 0.0));  // 1 mJ made
+  const Wrench F = controller.Step(PortAt(0.1e-3, 0.1, 10.0, 0.0));  // 1 mJ generated
   EXPECT_NEAR(controller.energy_J(), 1e-3, 1e-12);
   EXPECT_NEAR(-F.f.z() * 0.1 * kT, 1e-3, 1e-12) << "power of the damping, over a tick";
-  // the tool keeps its motion: the damping takes the energy
+  // the tool keeps its speed, so the damping has taken out the energy
   static_cast<void>(controller.Step(PortAt(0.2e-3, 0.1, 0.1, 0.0)));
   EXPECT_NEAR(controller.energy_J(), 0.5 * 10.1 * 0.1e-3, 1e-12) << "and what was made since";
 }
 
-// Energy that a tank has paid into the planes does not count as generated when it comes out; any excess does.
+// A tank has paid energy into the planes. When this energy comes out, it must not count as generated. Any
+// energy beyond it must count.
 TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
   for (const double paid_J : {0.0, 2e-3}) {
     PassivityController controller({.allowance_J = 0.0}, PortWork::kTrapezoid, kT, 1e6);
@@ -94,9 +96,9 @@ TEST(Passivity, EnergyThatATankHasPaidForMayComeOut) {
     PortTick port = PortAt(0.0, 0.1, 10.0, 2e-3);
     port.paid_J = paid_J;
     static_cast<void>(controller.Step(port));
-    static_cast<void>(controller.Step(PortAt(0.1e-3, 0.1, 10.0, 1e-3)));  // 1 mJ comes out
+    static_cast<void>(controller.Step(PortAt(0.1e-3, 0.1, 10.0, 1e-3)));  // 1 mJ comes out in all
     EXPECT_EQ(controller.acted(), paid_J == 0.0);
-    static_cast<void>(controller.Step(PortAt(0.35e-3, 0.1, 10.0, 0.0)));  // 3.5 mJ
+    static_cast<void>(controller.Step(PortAt(0.35e-3, 0.1, 10.0, 0.0)));  // 3.5 mJ come out in all
     EXPECT_TRUE(controller.acted());
   }
 }
@@ -109,7 +111,7 @@ TEST(Passivity, DoesNotActNearRestAndKeepsTheEnergyForLater) {
   EXPECT_NEAR(controller.energy_J(), 4e-4, 1e-12);
   static_cast<void>(controller.Step(PortAt(8e-6, 0.006, 100.0, 0.0)));
   EXPECT_TRUE(controller.acted());
-  // contact ends: E starts again at 0
+  // the contact ends, so the energy sum starts again at 0
   static_cast<void>(controller.Step(PortAt(1e-3, 0.1, 0.0, 0.0)));
   EXPECT_EQ(controller.energy_J(), 0.0);
   EXPECT_FALSE(controller.acted());
@@ -127,7 +129,7 @@ TEST(Passivity, DampingNeverReversesTheMotionWithinATick) {
   static_cast<void>(controller.Step(port));
   port.X_WT.translation().setConstant(1e-3);
   port.V_WT = tool.V_WT;
-  const Wrench F = controller.Step(port);  // 3 kJ made: the damping is at its bound
+  const Wrench F = controller.Step(port);  // 3 kJ generated, so the damping is at its bound
   ASSERT_TRUE(StepAdmittance(law, F, kT, tool));
   for (int i = 0; i < 3; ++i) {
     EXPECT_GE(tool.V_WT.v[i] * before.v[i], -1e-12);
@@ -140,8 +142,8 @@ TEST(Passivity, TheSmallerOfLawsAndUsersDampingBoundHolds) {
                                  1e4);
   controller.SetMaxDamping(1e4);
   static_cast<void>(controller.Step(PortAt(0.0, 0.1, 1000.0, 0.0)));
-  static_cast<void>(
-      controller.Step(PortAt(1e-3, 0.1, 1000.0, 0.0)));  // 1 J made: 100 kN s/m would take it back
+  static_cast<void>(controller.Step(PortAt(
+      1e-3, 0.1, 1000.0, 0.0)));  // 1 J generated: a damping of 100 kN s/m would be needed to take it out
   EXPECT_EQ(controller.damping_Ns_per_m(), 50.0);
   controller.SetMaxDamping(20.0);
   static_cast<void>(controller.Step(PortAt(2e-3, 0.1, 1000.0, 0.0)));

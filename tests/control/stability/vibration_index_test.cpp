@@ -19,7 +19,7 @@ constexpr double kDt_s = 1e-3;
 
 double Sine(double hz, double t_s) { return std::sin(2.0 * std::numbers::pi * hz * t_s); }
 
-// The vibration index after a force has acted along one direction for some time.
+// The vibration index after the force has acted along one direction for `seconds`.
 double IndexAfter(double seconds, const std::function<double(double t_s)>& force_N,
                   double spindle_rad_per_s = 0.0, const VibrationParams& params = {}) {
   VibrationIndex index(params, kDt_s);
@@ -29,7 +29,7 @@ double IndexAfter(double seconds, const std::function<double(double t_s)>& force
   return index.index();
 }
 
-// Largest vibration index while a force acts along one direction.
+// The largest vibration index while the force acts along one direction for `seconds`.
 double LargestIndex(double seconds, const std::function<double(double t_s)>& force_N,
                     double spindle_rad_per_s = 0.0) {
   VibrationIndex index({}, kDt_s);
@@ -40,8 +40,8 @@ double LargestIndex(double seconds, const std::function<double(double t_s)>& for
   return largest;
 }
 
-// Two filters in series, of the two Q factors of a fourth-order Butterworth filter, have its gain
-// |H|^2 = 1 / (1 + (f/f_c)^8), with the frequencies warped by tan(pi f T). The gain is measured with sines.
+// Two filters in series, whose Q factors are those of a fourth-order Butterworth filter, must have its gain
+// |H|^2 = 1 / (1 + (f/f_c)^8). The frequencies are warped by tan(pi f T). The gain is measured with sines.
 TEST(Biquad, HasButterworthsGain) {
   const auto gain = [](Biquad a, Biquad b, double hz) {
     double power = 0.0;
@@ -72,7 +72,7 @@ TEST(VibrationIndex, A12HzOscillationRaisesTheIndexWithinAPeriodAndAHalf) {
   EXPECT_GT(IndexAfter(1.3, shaken), 0.95);
 }
 
-// A force that steps to 50 N and stays there does not swing back, so the index keeps below alert_index.
+// A force that steps to 50 N and stays there does not swing back. So the index must stay below alert_index.
 TEST(VibrationIndex, AJoltRaisesTheIndexBrieflyAndAtMostToTheAlertLevel) {
   const VibrationParams params;
   const auto jolt = [](double t) { return t < 1.0 ? 0.0 : 50.0; };
@@ -81,8 +81,8 @@ TEST(VibrationIndex, AJoltRaisesTheIndexBrieflyAndAtMostToTheAlertLevel) {
   EXPECT_LT(IndexAfter(1.3, jolt), 0.01);
 }
 
-// Oscillations of 10 Hz that last or grow count with their amplitude. Decaying, slow, fast and one-sided
-// signals count as none.
+// Oscillations of 10 Hz that last or grow must count with their amplitude. Signals that decay, are slower,
+// are faster or have one sign must not count.
 TEST(HalfWaves, CountOnlyLastingSwingsToAndFro) {
   const auto amplitude = [](const std::function<double(double t_s)>& x) {
     HalfWaves waves(0.01, 0.11);
@@ -129,7 +129,7 @@ TEST(VibrationIndex, TheSpindlesHarmonicsDoNotRaiseTheIndex) {
     return f;
   };
   const double spindle_rad_per_s = 2.0 * std::numbers::pi * hz;
-  // the notches adapt within 0.2 s, and the index from before is forgotten in 1.2 s
+  // the notch filters adapt within 0.2 s, and the index from before is forgotten within 1.2 s
   EXPECT_LT(IndexAfter(6.0, cut, spindle_rad_per_s), 0.02);
   EXPECT_GT(LargestIndex(6.0, cut, 0.0), 0.5) << "without the spindle's speed they are";
   // 10.4 Hz is halfway between the second harmonic and the third
@@ -143,12 +143,12 @@ TEST(VibrationIndex, DecaysSixtyTimesSlowerThanItRises) {
   const auto step = [&index](double f) {
     return index.Step({.f = f * Vector3::UnitX(), .t = Vector3::Zero()}, 0.0);
   };
-  // an oscillation that dies as soon as the tool is damped, as one of the loop does
+  // an oscillation of the loop, which dies out as soon as the virtual tool's damping is raised
   for (int i = 0; i < 1500; ++i) step(index.index() < 0.6 && i < 500 ? 5.0 * Sine(12.0, i * kDt_s) : 0.0);
   ASSERT_GT(index.index(), 0.5);
   EXPECT_NEAR(index.damping_factor(), 1.0 + index.index() * (params.max_damping_factor - 1.0), 1e-12);
   EXPECT_NEAR(index.mass_factor(), 1.0 + index.index() * (params.max_mass_factor - 1.0), 1e-12);
-  for (int i = 0; i < 1000; ++i) step(0.0);  // until the index only decays, no longer driven by past force
+  for (int i = 0; i < 1000; ++i) step(0.0);  // until the index only decays and past force no longer raises it
   const double before = index.index();
   for (int i = 0; i < 1000; ++i) step(0.0);
   EXPECT_NEAR(index.index() / before, std::exp(-1.0 / (params.decay_ratio * params.rise_s)), 1e-3)

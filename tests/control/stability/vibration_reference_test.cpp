@@ -12,9 +12,8 @@
 #include "control/stability/vibration_index.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// The vibration index and its reference with two sources of vibration: a hand's tremor, which stays at any
-// drag of the virtual tool, and an oscillation of the loop, which grows below a certain drag and dies above
-// it.
+// Tests the vibration index and its reference with two sources of vibration. A hand's tremor remains at any
+// drag of the virtual tool. An oscillation of the loop grows below a certain drag and dies out above it.
 
 namespace osteon::control {
 namespace {
@@ -22,7 +21,7 @@ namespace {
 constexpr double kDt_s = 1e-3;
 constexpr double kTau = 2.0 * std::numbers::pi;
 
-// A tremor: three sines of nearby frequencies that beat, with a peak of 1.
+// A tremor: the sum of three sines with nearby frequencies, which beat. Its peak is 1.
 double BeatingTremor(double t_s) {
   return (std::sin(kTau * 8.3 * t_s) + std::sin(kTau * 9.7 * t_s + 1.0) + std::sin(kTau * 11.1 * t_s + 2.0)) /
          3.0;
@@ -30,7 +29,7 @@ double BeatingTremor(double t_s) {
 
 // An oscillation of the loop at 12 Hz. Noise of 0.02 N starts the oscillation and keeps it from dying out.
 struct Oscillation {
-  double needs{5.0};        // damping factor on the law's drag below which the oscillation grows
+  double needs{5.0};        // factor on the law's drag below which the oscillation grows
   double rate_per_s{15.0};  // rate of the exponential growth or decay
   double amplitude_N{0.02};
   // @returns the force in the next tick [N]
@@ -41,12 +40,12 @@ struct Oscillation {
   }
 };
 
-// A run of the vibration index over a force, with its largest values since the last ResetPeaks.
+// A run of the vibration index over a force. It keeps the largest values since the last ResetPeaks.
 struct IndexRun {
   VibrationIndex index{{}, kDt_s};
-  double t_s{0.0};  // since the run began
+  double t_s{0.0};  // time since the run began
   double max_index{0.0}, max_N{0.0};
-  double heavy_s{0.0};  // time in which the drag was more than doubled
+  double heavy_s{0.0};  // time in which the drag was more than twice the law's drag
   void ResetPeaks() { max_index = heavy_s = max_N = 0.0; }
   void Run(double seconds, const std::function<double(double t_s)>& force_N) {
     for (const double end_s = t_s + seconds; t_s < end_s; t_s += kDt_s) {
@@ -75,8 +74,8 @@ TEST(VibrationReference, ATremorRaisesTheDragOnceAndIsThenTolerated) {
   }
 }
 
-// A tremor just above the threshold counts as vibration only at the peaks of its beat. The suspected time
-// adds up until a test starts.
+// A tremor just above the threshold counts as vibration only at the peaks of its beat. These times add up
+// until the index starts a test.
 TEST(VibrationReference, ATremorJustAboveTheThresholdIsToleratedAfterSeconds) {
   IndexRun run;
   run.Run(10.0, [](double t) { return 0.5 * BeatingTremor(t); });
@@ -144,7 +143,7 @@ TEST(VibrationReference, ReturnsToTheToleratedTremorAfterALoopOscillation) {
   run.Run(10.0, [&](double t) { return loop.Step(t, run.index.damping_factor()); });
   const double low_N = run.index.reference_N();
   ASSERT_LT(low_N, 0.1);
-  run.Run(8.0, [](double) { return 0.0; });  // the index decays
+  run.Run(8.0, [](double) { return 0.0; });  // until the index has decayed
   run.Run(100.0, [](double) { return 0.0; });
   EXPECT_NEAR(run.index.reference_N(), ReferenceParams{}.tremor_N, 0.01);
 }

@@ -13,7 +13,7 @@
 // Robotous sensor, an ATI sensor, the drive or the UDP tunnel. Sensors and drive get frames
 //
 //     byte  0     low four bits: index of the device's id, or 15: the id is in the next two bytes;
-//                 high bits: what else happens
+//                 high bits: further events (Op)
 //           1, 2  id, little-endian, if byte 0 says so
 //           then  size, and that many bytes
 //
@@ -22,18 +22,18 @@
 namespace osteon::fuzz {
 namespace {
 
-// High bits of a frame's byte 0: what else happens.
+// High bits of a frame's byte 0: further events.
 enum Op : unsigned {
-  kGap = 1u << 4,      // frames before this one were lost
-  kLater = 1u << 5,    // 10 ms later, else 1 ms
-  kExtra = 1u << 6,    // a sensor: a bias is requested; the drive: it is switched off, and faults are reset
+  kGap = 1u << 4,    // the bus reports that frames before this one were lost
+  kLater = 1u << 5,  // the frame comes 10 ms later; if not set, 1 ms
+  kExtra = 1u << 6,  // for a sensor, a bias is requested; the drive is switched off and its faults are reset
   kRestart = 1u << 7,  // the client is restarted, if kExtra is set as well
 };
-constexpr std::size_t kMaxFrames = 4096;      // of one input, to bound its time
-constexpr double kMaxSpeed_rad_per_s = 40.0;  // of the reamer
-constexpr double kGear = 20.0;                // the motor's speed over the reamer's
+constexpr std::size_t kMaxFrames = 4096;      // largest number of frames in one input, to bound the time
+constexpr double kMaxSpeed_rad_per_s = 40.0;  // speed limit of the reamer
+constexpr double kGear = 20.0;                // gear ratio: the motor's speed over the reamer's
 
-// Reads the next frame from the input. @param ids  those that the client knows
+// Reads the next frame from the input. @param ids  the ids that the client knows
 template <std::size_t N>
 io::CanFrame NextFrame(Input& in, unsigned op, const std::array<std::uint16_t, N>& ids) {
   io::CanFrame frame;
@@ -45,7 +45,7 @@ io::CanFrame NextFrame(Input& in, unsigned op, const std::array<std::uint16_t, N
   return frame;
 }
 
-// Sends everything that the client wants to send now; calls `look` for each frame.
+// Collects everything that the client wants to send now, and calls `look` for each frame.
 template <class Client, class Look>
 void Send(Client& client, rt::Nanoseconds now, Look&& look) {
   io::CanFrame out;
@@ -56,7 +56,8 @@ void Send(Client& client, rt::Nanoseconds now, Look&& look) {
   }
 }
 
-// Feeds a client all frames of the input. @param next  makes a frame  @param each  called after each frame
+// Delivers all frames of the input to a client. @param next  makes a frame @param each  called after each
+// frame
 // @param look  called for each frame that the client sends
 template <class Client, class Next, class Each, class Look>
 void FeedFrames(Input& in, Client& client, Next&& next, Each&& each, Look&& look) {
@@ -72,7 +73,7 @@ void FeedFrames(Input& in, Client& client, Next&& next, Each&& each, Look&& look
   }
 }
 
-// Feeds a sensor's client, and claims that its readings are finite.
+// Delivers the input to a sensor's client, and claims that its readings are finite.
 void FuzzSensor(Input& in, io::WrenchSensor& sensor, const std::array<std::uint16_t, 8>& ids) {
   std::uint64_t readings = 0;
   const auto check = [&](unsigned op) {
@@ -89,13 +90,14 @@ void FuzzSensor(Input& in, io::WrenchSensor& sensor, const std::array<std::uint1
   FeedFrames(in, sensor, next, check, [](const io::CanFrame&) {});
 }
 
-// Feeds the drive's client, and claims that the drive is never commanded too fast or in a fault.
+// Delivers the input to the drive's client. Claims that the client never commands too high a speed, and no
+// motion during a fault.
 void FuzzDrive(Input& in) {
   auto drive = *io::ReamerDrive::Make(
       {.node = 16, .gear_ratio = kGear, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = kMaxSpeed_rad_per_s});
   const std::array<std::uint16_t, 8> ids{0x590, 0x710, 0x190, 0x290, 0x090, 0x000, 0x080, 0x390};
-  io::CanFrame asked;  // the client's newest SDO request
-  // index 14: the correct answer to that request
+  io::CanFrame asked;  // newest SDO request of the client
+  // index 14 stands for the correct answer to the newest request
   const auto next = [&](unsigned op) {
     if ((op & 15u) != 14) return NextFrame(in, op, ids);
     io::CanFrame answer = asked;
@@ -128,7 +130,7 @@ void FuzzDrive(Input& in) {
   FeedFrames(in, drive, next, each, look);
 }
 
-// Decodes a tunnel's datagram, and claims that an accepted one is encoded to the same bytes.
+// Decodes a datagram of the tunnel. Claims that an accepted datagram is encoded to the same bytes.
 void FuzzTunnel(Input& in) {
   const auto bytes = in.Rest();
   const std::vector<std::uint8_t> datagram(bytes.begin(), bytes.end());

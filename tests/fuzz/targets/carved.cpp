@@ -7,13 +7,13 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/files/carved_samples.h"
 
-// Fuzz target: the file of a carved state of a small bone. If bit 0 of the input's byte 0 is set, size and
-// checksums are corrected before the file is read. The rest of the input is the file.
+// Fuzz target: the file with the carved state of a small bone. Bit 0 of the input's byte 0 says whether size
+// and checksums are corrected before the file is read. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
-// Size of the header, and where its fields are [byte].
+// Size of the header and offsets of its fields [byte].
 constexpr std::size_t kHeader = 392, kPayloadCrcAt = 384, kHeaderCrcAt = 388;
 
 // Corrects the file's size and checksums in its header.
@@ -30,8 +30,8 @@ void SealCarvedFile(std::string& bytes) {
   put(kHeaderCrcAt, 0, kHeaderCrcAt);
 }
 
-// Claims that an engine of this bone resumes from the state, or refuses it because it belongs to another tool
-// or other SplitParams, which the file does not record.
+// Claims that an engine of this bone either resumes from the state or refuses it. A refusal is legitimate if
+// the state belongs to another tool or to other SplitParams, because the file records neither.
 void ClaimResumes(const simulation::CarvedState& state) {
   using namespace simulation::test;
   simulation::ReferenceEngine engine(CarvedBone(), CarvedTool(), Pose::Identity(), CarvedParams());

@@ -3,14 +3,14 @@
 #include "safety/workspace.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// Fuzz target: the YAML file of a whole cell. The files that it names are the repository's own, and its tool
-// is always the reamer, which needs no slow fitting of balls. If the cell is accepted, a servo loop can be
-// made from it.
+// Fuzz target: the YAML file of a whole cell. The files that the cell names are those of the repository. Its
+// tool is always the reamer, which needs no slow fitting of balls. If the cell is accepted, it must be
+// possible to make a servo loop from it.
 
 namespace osteon::fuzz {
 namespace {
 
-// Claims that the cell's poses, limits and start are usable, and makes its servo loop.
+// Claims that poses, limits and start of the cell are usable, and makes its servo loop.
 void ClaimRuns(const config::CellConfig& cell) {
   const control::ServoParams& servo = cell.servo;
   Claim(servo.wrench.max_force_N > 0.0 && servo.wrench.max_force_N <= 200.0, "a cell gives at most 200 N");

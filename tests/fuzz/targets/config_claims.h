@@ -16,7 +16,8 @@
 namespace osteon::fuzz {
 
 /// Claims that an error names its file, and that the named line exists.
-/// @param name  of the fuzzer's file, whose content is `text`; lines of other files are not checked
+/// @param name  name of the file that the fuzzer made, with the content `text`; lines of other files are not
+/// checked
 inline void ClaimNamesPlace(const config::ConfigError& error, const std::string& name,
                             std::string_view text) {
   const std::string_view what = error.what();
@@ -26,7 +27,8 @@ inline void ClaimNamesPlace(const config::ConfigError& error, const std::string&
   if (error.file() == name) ClaimNamesLine(what, name, text);
 }
 
-/// Returns the result of `load`. If it throws a ConfigError, returns nothing and checks the error's place.
+/// Returns the result of `load`. If `load` throws a ConfigError, checks the place that the error names, and
+/// returns nothing.
 template <typename Load>
 auto Loaded(const Load& load, const std::string& name, std::string_view text)
     -> std::optional<decltype(load())> {
@@ -38,18 +40,18 @@ auto Loaded(const Load& load, const std::string& name, std::string_view text)
   }
 }
 
-/// A folder with links to the repository's config/ and one more file, cells/fuzz.yaml. Named files are
-/// searched there only.
+/// A folder with links to the repository's config/ and one file of its own, cells/fuzz.yaml. Named files are
+/// searched only there.
 class FuzzConfig {
  public:
   FuzzConfig() {
     std::filesystem::create_directories(root() / "cells");
     for (const char* folder : {"robots", "tools", "scenes", "materials", "images", "plans", "scenarios"})
       std::filesystem::create_directory_symlink(Shipped() / folder, root() / folder);
-    // cells of the corpus extend this one
+    // cells in the corpus extend the demo's cell
     std::filesystem::create_symlink(Shipped() / "cells/demo.yaml", root() / "cells/demo.yaml");
   }
-  /// The repository's config/, in OSTEON_ROOT if set, or else in the source folder of the build.
+  /// The repository's config/: in OSTEON_ROOT if it is set, else in the source folder of the build.
   [[nodiscard]] static std::filesystem::path Shipped() {
     const char* moved = std::getenv("OSTEON_ROOT");
     return std::filesystem::path(moved ? moved : OSTEON_SOURCE_DIR) / "config";
@@ -71,7 +73,7 @@ class YamlInput {
   YamlInput(const std::uint8_t* data, std::size_t size)
       : text_(Written(Text({data, size}))), scope_(Files().scope()) {}
 
-  /// Returns the result of a loader for the file, or nothing if the loader refuses it.
+  /// Returns what a loader reads from the file, or nothing if the loader refuses the file.
   template <typename Load>
   [[nodiscard]] auto Read(const Load& load) const {
     return Loaded([&] { return load(Files().path()); }, Files().path().string(), text_);

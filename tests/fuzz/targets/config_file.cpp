@@ -4,9 +4,9 @@
 #include "config/reading/sections/read_gains.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// Fuzz target: the files that a cell names, except a tool (tool_file.cpp): robot, scene, materials, gains,
-// calibration. The input is read as each of them. It can be valid as at most one of robot, scene and
-// materials.
+// Fuzz target: the files that a cell names, except a tool (see tool_file.cpp): robot, scene, materials,
+// gains, calibration. The input is read as each of these kinds. It can be valid as at most one of robot,
+// scene and materials.
 
 namespace osteon::fuzz {
 namespace {
@@ -24,7 +24,7 @@ void ClaimLimits(const kinematics::ChainParams<kCount>& chain) {
           "a joint has a range and a speed");
 }
 
-// Claims that the control laws accept the cell's gains with any overrides that the reader accepted.
+// Claims that the control laws accept a cell with any gains that the reader accepted.
 void ClaimGains(const FuzzConfig& files, std::string_view text, const config::CellConfig& cell) {
   for (const control::Law law : {control::Law::kAdmittance, control::Law::kImpedance}) {
     control::AdmittanceParams admittance = cell.servo.admittance;

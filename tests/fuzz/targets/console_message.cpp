@@ -6,13 +6,13 @@
 #include "console/server/client_message.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Fuzz target: data that a web page sends to the console's server. The input's byte 0 selects how the rest is
-// read: as a message (even), or as host, origin and token of a page that connects, one a line (odd).
+// Fuzz target: data that a web page sends to the console's server. If the input's byte 0 is even, the rest is
+// a message. If it is odd, the rest has three lines: host, origin and token of a page that connects.
 
 namespace osteon::fuzz {
 namespace {
 
-// Claims that a message is accepted within the size limit, or refused with a short error.
+// Claims that a message is accepted only within the size limit, and is otherwise refused with a short error.
 void ClaimMessage(std::string_view bytes) {
   const auto message = console::ParseClientMessage(bytes);
   if (message) {
@@ -23,7 +23,7 @@ void ClaimMessage(std::string_view bytes) {
   Claim(message.error().size() <= 300, "an error is short, whatever was sent");
 }
 
-// Removes the first line from the text. @returns that line, without its end
+// Removes the first line from the text. @returns that line without its line break
 std::string_view TakeLine(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view line = text.substr(0, end);
@@ -31,7 +31,7 @@ std::string_view TakeLine(std::string_view& text) {
   return line;
 }
 
-// Claims that a page connects only with the token, from its own origin, by a local name.
+// Claims that a page is admitted only with the token, from its own origin, and by a local host name.
 void ClaimAccess(std::string_view text) {
   const std::string token(32, 'a');
   const std::string_view host = TakeLine(text), origin = TakeLine(text), given = TakeLine(text);

@@ -8,14 +8,14 @@
 #include "io/engine/engine_setup.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Fuzz target: messages between a run and an engine in its own process. In the input's byte 0, bit 0 says
-// whether size and checksum are corrected first, and bits 1 and 2 select a frame, a command or the set-up.
-// The rest is the message.
+// Fuzz target: messages between a run and an engine in its own process. Bit 0 of the input's byte 0 says
+// whether size and checksum are corrected first. Bits 1 and 2 select the kind of message: frame, command or
+// set-up. The rest of the input is the message.
 
 namespace osteon::fuzz {
 namespace {
 
-// Where the header's fields are, and the size of the set-up's header [byte].
+// Offsets of the header's fields, and size of the set-up's header [byte].
 constexpr std::size_t kSizeAt = 8, kCrcAt = 12, kSetupCrcAt = 12, kSetupHead = 16;
 
 // Corrects size and checksum of a frame or command.

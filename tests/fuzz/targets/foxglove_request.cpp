@@ -5,15 +5,15 @@
 #include "console/server/foxglove_protocol.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Fuzz target: data that a Foxglove viewer sends to its server. The input is read as a message, and its first
-// line also as the origin of a page that connects.
+// Fuzz target: data that a Foxglove viewer sends to its server. The input is read as a message. Its first
+// line is also read as the origin of a page that connects.
 
 namespace osteon::fuzz {
 namespace {
 
 constexpr std::size_t kChannels = 8;  // number of advertised channels
 
-// Claims that an accepted request names only advertised channels, and that errors are short.
+// Claims that an accepted request names only advertised channels, and that an error text is short.
 void ClaimRequest(std::string_view bytes) {
   const auto request = console::ParseFoxgloveRequest(bytes, kChannels);
   if (!request) {
@@ -29,7 +29,7 @@ void ClaimRequest(std::string_view bytes) {
   }
 }
 
-// Claims that only the viewer's own and local origins may connect.
+// Claims that only the viewer's own origin and local origins are admitted.
 void ClaimAccess(std::string_view origin) {
   const bool open =
       console::CheckViewerAccess({.host = "127.0.0.1:8765", .origin = origin, .token = {}}, "127.0.0.1", "")

@@ -10,12 +10,12 @@
 #include "io/fri/frame.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Claims about FRI's monitoring messages, shared by the fuzz targets fri_decode and fri_session.
+// Claims about monitoring messages of FRI, shared by the fuzz targets fri_decode and fri_session.
 
 namespace osteon::fuzz {
 
-/// Returns the bytes in a frame of FRI 2.7 with a correct CRC-32, without which nearly all input would be
-/// rejected.
+/// Returns the bytes in a frame of FRI 2.7 with a correct CRC-32. Without the right CRC nearly all input
+/// would be rejected.
 inline std::vector<std::uint8_t> Framed(std::span<const std::uint8_t> body) {
   std::vector<std::uint8_t> datagram(body.size() + io::kFriFrameHead + io::kFriFrameTail);
   std::copy(body.begin(), body.end(), datagram.begin() + io::kFriFrameHead);
@@ -45,8 +45,8 @@ inline void ClaimPose(const std::optional<io::FriPose>& pose, io::FriFamily fami
   ClaimName(pose->name);
 }
 
-/// Claims that an accepted message is finite, that its enumerators exist, and that it has what its state
-/// needs.
+/// Claims about an accepted message: its numbers are finite, its enumerators exist, and it has all fields
+/// that its session state requires.
 inline void ClaimAccepted(io::FriFamily family, const io::MonitoringMessage& m) {
   using control::SessionState;
   ClaimFinite(m.q_meas, "q_meas is finite");

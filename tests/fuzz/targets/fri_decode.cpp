@@ -1,16 +1,18 @@
 #include "tests/fuzz/targets/fri_claims.h"
 
-// Fuzz target: one FRI datagram. The input's byte 0 gives the protocol's family (two bits) and whether the
-// frame of 2.7 is added (bit 2); the rest is the datagram.
+// Fuzz target: one FRI datagram. Two bits of the input's byte 0 give the family of FRI versions. Bit 2 says
+// whether the frame of 2.7 is added. The rest of the input is the datagram.
 
 namespace osteon::fuzz {
 namespace {
 
 constexpr std::array kFamilies{io::FriFamily::k1, io::FriFamily::k2_5, io::FriFamily::k2_7,
                                io::FriFamily::k2_7};
-constexpr std::uint32_t kMark = 0xdecafbad;  // a sequence number that shows whether the message was changed
+constexpr std::uint32_t kMark =
+    0xdecafbad;  // sequence number by which the claims see whether a refused datagram has changed the message
 
-// Encodes a command with the arm's own data: it fits into a datagram, or is refused for lack of space.
+// Encodes a command that contains the arm's own data. Claims that it fits into a datagram, or is refused for
+// lack of space.
 void ClaimCommandOf(io::FriFamily family, const io::MonitoringMessage& m) {
   io::CommandMessage answer{.sequence = m.sequence, .reflected_sequence = m.reflected_sequence};
   answer.q = m.q_ipo;
@@ -33,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const unsigned first = in.Byte();
   const io::FriFamily family = fuzz::kFamilies[first & 3u];
   const auto rest = in.Rest();
-  // in memory of its exact size, so that a sanitizer detects a read beyond it
+  // the memory has exactly the datagram's size, so that a sanitizer detects a read behind its end
   const std::vector<std::uint8_t> datagram =
       (first & 4u) != 0 ? fuzz::Framed(rest) : std::vector<std::uint8_t>(rest.begin(), rest.end());
 

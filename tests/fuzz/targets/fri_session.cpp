@@ -2,29 +2,30 @@
 #include "io/fri/proto_reader.h"
 #include "tests/fuzz/targets/fri_claims.h"
 
-// Fuzz target: a session of FRI datagrams, each of which the session answers. The input's byte 0 is the
-// version; then for each datagram
+// Fuzz target: an FRI session that receives datagrams and answers each. The input's byte 0 is the version of
+// FRI. For each datagram follow
 //
-//     byte  0     what the loop commands (Op), and what else happens
+//     byte  0     the loop's command and further events (Op)
 //           1, 2  number of bytes that follow, little-endian
 //           3     the datagram, without 2.7's frame, which is added here
 
 namespace osteon::fuzz {
 namespace {
 
-// Bits of a step's first byte.
+// Bits of byte 0 of a datagram.
 enum Op : unsigned {
-  kCommandMeasured = 1u << 0,  // the command is the measured position, else the interpolator's
-  kCommandNaN = 1u << 1,       // the command has a NaN
-  kCommandFar = 1u << 2,       // the command turns a joint by 1 rad
-  kOldActivation = 1u << 3,    // the command names another activation
-  kResetSession = 1u << 5,     // bit 4 is free
-  kWait = 1u << 6,             // the datagram is not answered
-  kBare = 1u << 7,             // the datagram gets no frame
+  kCommandMeasured =
+      1u << 0,               // the command is the measured position; if not set, the interpolator's position
+  kCommandNaN = 1u << 1,     // the command has a NaN
+  kCommandFar = 1u << 2,     // the command moves a joint by 1 rad
+  kOldActivation = 1u << 3,  // the command names another activation than the present one
+  kResetSession = 1u << 5,   // the session is reset; bit 4 is not used
+  kWait = 1u << 6,           // the datagram is not answered
+  kBare = 1u << 7,           // the datagram gets no frame of 2.7
 };
 
-// The contents of an answer that the claims need, read by the program's own protobuf reader (whose tests
-// compare it with libprotobuf).
+// The parts of an answer that the claims need. They are read by the program's own protobuf reader, whose
+// tests compare it with libprotobuf.
 struct Answer {
   std::uint32_t id{0}, sequence{0}, reflected{0};
   std::array<double, 7> q{};
@@ -32,7 +33,8 @@ struct Answer {
   bool finite{true};
 };
 
-// Reads an answer's fields recursively. @param path  field numbers from the outermost, four bits each
+// Reads an answer's fields recursively. @param path  the field numbers from the outermost field inward, four
+// bits each
 void ReadAnswer(std::span<const std::uint8_t> bytes, Answer& answer, unsigned depth, std::uint32_t path) {
   io::ProtoReader in(bytes);
   while (in.Next()) {
@@ -61,7 +63,7 @@ void ReadAnswer(std::span<const std::uint8_t> bytes, Answer& answer, unsigned de
   Claim(in.ok(), "an answer is a protobuf");
 }
 
-// Runs the whole input through one session.
+// Runs one session with the whole input.
 class SessionRun {
  public:
   explicit SessionRun(Input& in) : in_(in), version_(io::kFriVersions[in.Byte() % io::kFriVersions.size()]) {}
@@ -132,7 +134,8 @@ class SessionRun {
     Claim(session_.Answer(command).empty(), "a message is answered once");
   }
 
-  // Claims that only positions are sent that the loop may command: the arm's own, and those sent before.
+  // Claims that the session sends only positions that the loop may command: the arm's own, and positions that
+  // were sent before.
   void ClaimPosition(const Answer& answer, const control::ArmCommand& command) {
     if (answer.joints == 0) return;
     Claim(answer.joints == 7, "seven joints or none");

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
-// Shared parts of the fuzz targets: a reader of the fuzzer's input, and Claim, which checks a property that
-// must hold for any input.
+// Shared parts of the fuzz targets: a reader of the fuzzer's input, and the function Claim. A claim is a
+// property that must hold for any input.
 
 namespace osteon::fuzz {
 
-/// Reads the fuzzer's bytes piece by piece; after the last byte, Byte and Word return zeros.
+/// Reads the fuzzer's bytes piece by piece. Behind the last byte, Byte and Word return zeros.
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -22,12 +22,12 @@ class Input {
     const auto one = Bytes(1);
     return one.empty() ? std::uint8_t{0} : one[0];
   }
-  /// Two bytes, little-endian.
+  /// Reads a number of two bytes, little-endian.
   std::uint16_t Word() {
     const unsigned low = Byte();
     return static_cast<std::uint16_t>(low | unsigned{Byte()} << 8);
   }
-  /// Returns at most `size` bytes.
+  /// Reads at most `size` bytes.
   std::span<const std::uint8_t> Bytes(std::size_t size) {
     const auto bytes = rest_.first(std::min(size, rest_.size()));
     rest_ = rest_.subspan(bytes.size());
@@ -39,8 +39,8 @@ class Input {
   std::span<const std::uint8_t> rest_;
 };
 
-/// Ends a target's run if the claim is false. libFuzzer counts an exception that leaves a target as a crash
-/// and keeps the input.
+/// Ends the target's run with an exception if the claim is false. libFuzzer counts an uncaught exception as a
+/// crash and keeps the input.
 inline void Claim(bool holds, const char* claim) {
   if (!holds) throw std::logic_error(claim);
 }

@@ -4,15 +4,15 @@
 #include "simulation/mesh/mesh_file.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// Fuzz target: a mesh file. The input's byte 0 selects the extension (STL, OBJ, PLY), the rest is the file.
+// Fuzz target: a mesh file. The input's byte 0 selects the extension (STL, OBJ, PLY); the rest is the file.
 
 namespace osteon::fuzz {
 namespace {
 
 using simulation::MeshErrorKind;
 
-// Claims that an error names the file, and a line of a text or a byte of a binary file. Errors about the
-// surface itself (open, wound both ways, …) give a place in mm instead.
+// Claims that an error names the file and a place in it: a line of a text file, or a byte of a binary file.
+// Errors about the surface itself (open, wound both ways, …) name a place in mm instead.
 void ClaimError(const simulation::MeshError& error, const std::filesystem::path& path,
                 std::string_view content) {
   const std::string name = path.string();
@@ -24,7 +24,7 @@ void ClaimError(const simulation::MeshError& error, const std::filesystem::path&
     ClaimNamesLine(error.message, name, content);
 }
 
-// Claims about a mesh as read, before its surface is checked.
+// Claims about a mesh that was read and whose surface is not yet checked.
 void ClaimRaw(const simulation::RawMesh& raw, std::size_t file_bytes) {
   Claim(!raw.triangles.empty(), "a mesh has triangles");
   Claim(raw.triangles.size() <= file_bytes, "a triangle takes a byte of the file and more");
@@ -36,7 +36,7 @@ void ClaimRaw(const simulation::RawMesh& raw, std::size_t file_bytes) {
       for (const float x : corner) Claim(std::isfinite(x), "a corner has a place");
 }
 
-// Claims that a checked mesh has valid vertices and is a closed surface.
+// Claims that a checked mesh has valid vertices and a closed surface.
 void ClaimClosed(const simulation::TriangleMesh& mesh) {
   Claim(!mesh.triangles.empty(), "a shell has triangles");
   for (const auto& triangle : mesh.triangles)
@@ -44,7 +44,7 @@ void ClaimClosed(const simulation::TriangleMesh& mesh) {
       Claim(corner < mesh.vertices_m.size(), "a corner is a vertex");
   for (const Vector3& vertex : mesh.vertices_m)
     Claim(vertex.cwiseAbs().maxCoeff() <= 10.0, "a vertex is within 10 m");
-  // each directed edge has its opposite, so that the triangles bound a volume
+  // each directed edge must have an opposite edge, so that the triangles bound a volume
   std::vector<std::uint64_t> edges;
   for (const auto& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k)

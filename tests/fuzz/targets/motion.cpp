@@ -37,8 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   fuzz::ClaimAccepted(*motion);
-  // writing rounds values to the file's last digit, so that the text may then be refused; if not, a second
-  // writing changes nothing
+  // writing rounds the values to the file's last digit, so the written text may be refused. If it is
+  // accepted, writing it again must not change it
   const std::string written = simulation::MotionText(*motion);
   const auto rounded = simulation::ParseMotion(written, name);
   if (rounded) fuzz::Claim(simulation::MotionText(*rounded) == written, "what was read can be written");

@@ -4,13 +4,13 @@
 #include "tests/fuzz/targets/file_claims.h"
 #include "tests/simulation/packing/packing_samples.h"
 
-// Fuzz target: a packing file. If bit 0 of the input's byte 0 is set, the checksums are corrected first, as
+// Fuzz target: a packing file. Bit 0 of the input's byte 0 says whether the checksums are corrected first, as
 // an attacker would do. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
-// Claims that an engine can use an accepted packing.
+// Claims that an engine can use a packing that was accepted.
 void ClaimUsable(const simulation::Bone& bone) {
   Claim(!bone.balls.empty(), "a packing has balls");
   for (const simulation::Ball& ball : bone.balls)
@@ -25,11 +25,11 @@ void ClaimUsable(const simulation::Bone& bone) {
     Claim(std::abs(Vector3(bone.site.axis).norm() - 1.0) <= 1e-6, "a site has an axis");
 }
 
-// Claims that an accepted file can be saved, and that saving it again gives the same file.
+// Claims that an accepted packing can be saved, and that saving it a second time gives the same file.
 void ClaimSavesToItself(const simulation::PackingFile& file, const simulation::Bone& bone) {
   static const FuzzFile saved("saved.osp");
   if (!simulation::WritePackingFile(saved.path(), bone, file.provenance()))
-    return;  // its balls are too far apart for a finite centre
+    return;  // the balls are so far apart that their centre is not finite
   const std::string first = io::test::ReadAll(saved.path());
   const auto again = simulation::PackingFile::Open(saved.path(), 1);
   Claim(again.has_value(), "what was saved is accepted");

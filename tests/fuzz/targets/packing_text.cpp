@@ -2,7 +2,8 @@
 #include "tests/fuzz/targets/file_claims.h"
 
 // Fuzz target: the two texts in a packing file. Bit 0 of the input's byte 0 selects the materials (1) or the
-// provenance (0); the rest is the text. What was read can be written and read again, with the same result.
+// provenance (0); the rest is the text. A text that was read must be writable, and reading it again must give
+// the same result.
 
 namespace osteon::fuzz {
 namespace {

@@ -5,7 +5,7 @@
 #include "session/procedure/plan_guidance.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// Fuzz target: a surgical plan, and a rubric by which sessions are scored. The input is read as both.
+// Fuzz target: a surgical plan, and a rubric for the scores of sessions. The input is read as both.
 
 namespace osteon::fuzz {
 namespace {
@@ -19,7 +19,7 @@ void ClaimPlan(const config::SurgicalPlanConfig& config) {
     Claim(tool.diameter_m > before_m, "diameters rise");
     before_m = tool.diameter_m;
     Claim(tool.around_m >= 0.0 && plan.ApexOf(tool).allFinite(), "a tool has a place");
-    // throws if the loop would not accept a gain
+    // throws if the servo loop would refuse a gain of the guidance
     (void)session::GuidanceOf(plan, tool, Pose::Identity());
   }
   Claim(procedure::SiteError(plan, config.site).empty(), "the plan fits its bone");

@@ -4,15 +4,15 @@
 #include "io/modbus/plc_client.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Fuzz target: the PLC's registers 970 … 983, as a hostile server may send them. For each block the input has
-// the time since the last one [ms], the registers of two bytes (little-endian), and the time until the block
-// is judged [ms]. The Modbus protocol itself is libmodbus's (tests/io/modbus/modbus_client_test.cpp has
-// servers that misbehave).
+// Fuzz target: the PLC's registers 970 … 983, as a hostile server may send them. For each block, the input
+// has the time since the previous block [ms], the registers (two bytes each, little-endian), and the time
+// until the block is judged [ms]. The Modbus protocol itself is implemented by libmodbus;
+// tests/io/modbus/modbus_client_test.cpp tests it with servers that misbehave.
 
 namespace osteon::fuzz {
 namespace {
 
-constexpr rt::Nanoseconds kMaxAge = 100 * rt::kMillisecond;  // of a block that permits motion
+constexpr rt::Nanoseconds kMaxAge = 100 * rt::kMillisecond;  // largest age of a block that permits motion
 
 bool Same(const io::PlcInputs& a, const io::PlcInputs& b) {
   return a.mode == b.mode && a.version == b.version && a.emergency_stop == b.emergency_stop &&
@@ -21,7 +21,7 @@ bool Same(const io::PlcInputs& a, const io::PlcInputs& b) {
          a.power_on == b.power_on;
 }
 
-// Reads one block from the input and handles it as PlcClient::ReadBlock does, without the connection.
+// Reads one block from the input, and handles it like PlcClient::ReadBlock, but without a connection.
 void HandleBlock(Input& in, rt::Nanoseconds now, io::PlcReading& reading) {
   std::array<std::uint16_t, io::kPlcReadCount> block{};
   for (std::uint16_t& value : block) value = in.Word();

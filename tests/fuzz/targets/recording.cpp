@@ -4,18 +4,18 @@
 #include "io/recording/recovery.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// Fuzz target: a recording (MCAP). If bit 0 of the input's byte 0 is set, the checksums are first set to "not
-// available", so that changed data are read. The rest of the input is the file.
+// Fuzz target: a recording (MCAP). Bit 0 of the input's byte 0 says whether the checksums are first set to
+// "not available", so that changed data are read. The rest of the input is the file.
 
 namespace osteon::fuzz {
 namespace {
 
-constexpr std::size_t kHead = 9;       // bytes of a record's opcode and length
-constexpr std::size_t kChunkCrc = 24;  // bytes before a chunk's CRC: two times and a size
+constexpr std::size_t kHead = 9;       // size of a record's opcode and length
+constexpr std::size_t kChunkCrc = 24;  // offset of the CRC in a chunk, behind two times and a size
 constexpr std::uint8_t kChunk = 0x06, kDataEnd = 0x0f;
 
-// Sets the checksums to 0, "not available". Follows the layout in docs/recording.md, independently of the
-// reader under test.
+// Sets all checksums to 0, which means "not available". The function follows the layout in docs/recording.md
+// and is independent of the reader under test.
 void ClearChecksums(std::string& bytes) {
   for (std::size_t at = 8; at + kHead <= bytes.size();) {
     const auto opcode = static_cast<std::uint8_t>(bytes[at]);
@@ -39,7 +39,7 @@ void ClaimAccepted(const io::Recording& recording, std::size_t size) {
     Claim(tick.session_state <= 4, "a session's state exists");
 }
 
-// Claims that recovery makes a complete recording of whatever is left of a file, or refuses the file.
+// Claims that recovery either makes a complete recording of the readable part of a file, or refuses the file.
 void ClaimRecovers(const std::filesystem::path& path, const std::filesystem::path& to, std::size_t size,
                    const tl::expected<io::Recording, std::string>& recording) {
   const auto recovery = io::RecoverRecording(path, to);

@@ -1,7 +1,8 @@
 #include "io/recording/messages.h"
 #include "tests/fuzz/targets/file_claims.h"
 
-// Fuzz target: one message of a recording. The input's byte 0 selects the kind, the rest is the message.
+// Fuzz target: one message of a recording. The input's byte 0 selects the kind of message; the rest is the
+// message.
 
 namespace osteon::fuzz {
 namespace {

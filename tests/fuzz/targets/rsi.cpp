@@ -8,29 +8,29 @@
 #include "io/rsi/xml_reader.h"
 #include "tests/fuzz/targets/fuzz_input.h"
 
-// Fuzz target: RSI datagrams for the XML reader, the decoder and a session, which answers each. The input's
-// byte 0 sets up the session (Setup). Then each datagram has a byte for the loop's command (Op), the number
-// of its bytes (two bytes, little-endian), and the bytes.
+// Fuzz target: RSI datagrams for the XML reader, the decoder and an RSI session, which answers each. The
+// input's byte 0 sets up the session (Setup). For each datagram follow a byte with the loop's command and
+// further events (Op), the datagram's size (two bytes, little-endian), and the datagram.
 
 namespace osteon::fuzz {
 namespace {
 
 // Bits of the input's first byte.
 enum Setup : unsigned { kRelative = 1u << 0, kKroshu = 1u << 1, kNoHold = 1u << 2, kQuick = 1u << 3 };
-// Bits of a datagram's first byte.
+// Bits of the byte before a datagram.
 enum Op : unsigned {
   kMove = 1u << 0,           // the command moves a joint by 0.01 rad
   kNaN = 1u << 1,            // the command has a NaN
   kFar = 1u << 2,            // the command moves a joint by 2 rad
-  kOldActivation = 1u << 3,  // the command names another activation
+  kOldActivation = 1u << 3,  // the command names another activation than the present one
   kWait = 1u << 4,           // the datagram is not answered
   kResetSession = 1u << 5,
   kStop = 1u << 6,
   kLate = 1u << 7,  // the datagram comes a second later
 };
-constexpr double kRange_deg = 30.0;  // largest correction of an axis
+constexpr double kRange_deg = 30.0;  // largest accepted correction of an axis
 
-// Claims that the XML reader's pieces lie in the text and that it comes to an end.
+// Claims that the pieces of the XML reader lie within the text, and that the reader reaches the text's end.
 void ReadPieces(std::string_view text) {
   using Event = io::XmlReader::Event;
   io::XmlReader reader(text);
@@ -58,7 +58,7 @@ void ClaimAccepted(const io::RsiRobotMessage& m, std::uint16_t needed) {
       Claim(std::abs(value) <= io::kRsiMaxValue, "a value is finite and at most 1e6");
 }
 
-// Runs the whole input through one session.
+// Runs one session with the whole input.
 class SessionRun {
  public:
   explicit SessionRun(Input& in) : in_(in), setup_(in.Byte()) {}

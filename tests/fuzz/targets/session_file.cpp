@@ -2,7 +2,8 @@
 
 #include "tests/fuzz/targets/file_claims.h"
 
-// Fuzz target: the text of session.json, which lists the recordings and states in a procedure's folder.
+// Fuzz target: the text of session.json. This file lists the recordings and carved states in a procedure's
+// folder.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace osteon;

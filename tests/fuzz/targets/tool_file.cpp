@@ -3,8 +3,8 @@
 #include "config/reading/load.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// Fuzz target: a tool's YAML file. Most of the time goes into fitting balls to the tool, so there are few
-// runs.
+// Fuzz target: a tool's YAML file. Fitting balls to the tool takes most of the time, so only few inputs can
+// be run.
 
 namespace osteon::fuzz {
 namespace {

@@ -4,19 +4,19 @@
 #include "config/reading/strict/units.h"
 #include "tests/fuzz/targets/config_claims.h"
 
-// Fuzz target: the strict YAML reader. The input is the text; each query of the reader is tried for each key
-// in it.
+// Fuzz target: the strict YAML reader. The input is the text. Each kind of query is tried for each key in the
+// text.
 
 namespace osteon::fuzz {
 namespace {
 
-// Bounds on the work for one input.
+// Largest number of keys that are tried for one input.
 constexpr std::size_t kMaxKeys = 16;
 constexpr int kMaxDepth = 3, kMaxQuestions = 200;
-constexpr double kMin = -1e3, kMax = 1e3;  // accepted range of the numbers, in the key's unit
+constexpr double kMin = -1e3, kMax = 1e3;  // accepted range of a number, in the unit of its key
 const std::string kName = "fuzz.yaml";
 
-// Words in front of a colon.
+// The words that stand before a colon.
 std::set<std::string> Keys(std::string_view text) {
   const auto of_key = [](char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0; };
   std::set<std::string> keys;
@@ -29,9 +29,10 @@ std::set<std::string> Keys(std::string_view text) {
   return keys;
 }
 
-// Asks a reader for each key as a number, a word, a section and so on, and claims that answers are in range.
+// Asks a reader for each key as a number, a word, a section and so on. Claims that each answer is in its
+// range.
 class Questions {
-  // The reader's answer, or nothing if it refuses the question.
+  // The reader's answer to the question; nothing if the reader refuses it.
   template <typename Question>
   auto Try(const Question& question) {
     return Loaded(question, kName, text_);

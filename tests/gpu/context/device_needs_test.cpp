@@ -9,21 +9,21 @@
 #include "gpu/context/context.h"
 #include "gpu/shaders/layout.h"
 
-// The table of features and limits that the engine needs of a Vulkan device. The tests remove one need after
-// the other from the report of a device that meets all of them.
+// Tests the table of features and limits that the engine needs from a Vulkan device. From the report of a
+// device that meets all needs, the tests remove one need after the other.
 
 namespace osteon::gpu {
 namespace {
 
-// Report of the present device, which meets all needs.
+// Report of the present device. It must meet all needs.
 DeviceReport ReportOfUsableDevice() {
   const auto context = OpenContext("", false);
   if (!context) throw std::runtime_error(context.error());
   return ReportOf(*(*context)->physical);
 }
 
-// For a need that is not a feature: how to make a report fall short of it, and the value that the refusal
-// then names.
+// For a need that is not a feature: how to change a report so that the need is not met, and the value that
+// the refusal must name.
 struct Shortfall {
   std::function<void(DeviceReport&)> apply;
   std::string found;
@@ -111,15 +111,15 @@ TEST(DeviceNeeds, MissingOptionsChooseTheArithmetic) {
   EXPECT_EQ(NeededFeatures(Arithmetic::kFloatsInt64).vulkan12.shaderBufferInt64Atomics, VK_TRUE);
 }
 
-// An older device reports no features of Vulkan 1.2, so its refusal names the version and not every missing
-// feature.
+// An older device reports no features of Vulkan 1.2. The refusal must name its version, and not all the
+// missing features.
 TEST(DeviceNeeds, AnOlderVulkanIsReportedByItsVersionAlone) {
   DeviceReport device;
   device.properties.apiVersion = VK_API_VERSION_1_1;
   EXPECT_EQ(RefusalText(UnmetNeeds(device)), "Vulkan: found 1.1.0, accepted 1.2 and later");
 }
 
-// A processor may have small workgroups, for which a GPU would be refused.
+// Small workgroups are accepted on a processor. A GPU would be refused for them.
 TEST(DeviceNeeds, AProcessorNeedsNoWideWorkgroups) {
   DeviceReport device = ReportOfUsableDevice();
   Shortfalls().at("workgroup size").apply(device);

@@ -8,17 +8,17 @@
 #include "tests/gpu/engine/contract_bench.h"
 #include "tests/io/temporary_folder.h"
 
-// Errors on a machine without a working Vulkan driver. The Vulkan loader reads environment variables when an
-// instance is made, so the tests set them in a child process.
+// Tests the errors on a machine without a working Vulkan driver. The Vulkan loader reads environment
+// variables when an instance is made, so the tests set them in a child process.
 
 namespace osteon::gpu {
 namespace {
 
-// Hides all drivers, then prints the errors of listing devices and of opening an engine. @returns 0 if both
-// fail
+// Hides all drivers, then prints two errors: of listing the devices, and of opening an engine. @returns 0 if
+// both fail
 int PrintErrorsWithoutDriver() {
   setenv("VK_DRIVER_FILES", "/nonexistent", 1);
-  setenv("VK_ICD_FILENAMES", "/nonexistent", 1);  // the older name of this variable
+  setenv("VK_ICD_FILENAMES", "/nonexistent", 1);  // older name of the same variable
   simulation::Bone bone;
   const auto devices = ListDevices();
   const auto engine = VulkanEngine::Create(bone, DefaultReamer(), Pose::Identity(), {}, {});
@@ -34,8 +34,9 @@ TEST(NoDriverDeathTest, TheErrorSaysWhatToInstall) {
               "engine: no Vulkan driver found; install one \\(mesa-vulkan-drivers");
 }
 
-// Installs a driver whose manifest names a missing library, then prints the error of listing devices.
-// @returns 0 if it fails
+// Installs a driver whose manifest names a library that does not exist, then prints the error of listing the
+// devices.
+// @returns 0 if the listing fails
 int PrintErrorOfBrokenDriver() {
   const io::test::TemporaryFolder folder;
   const std::string manifest = (folder.path() / "broken_icd.json").string();

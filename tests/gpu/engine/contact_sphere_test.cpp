@@ -3,8 +3,9 @@
 #include "simulation/tools/tool_kinds.h"
 #include "tests/gpu/engine/engine_twins.h"
 
-// Cutting with Cutters::kContactSphere, where only the tool ball that touches first removes bone. In each
-// frame the Vulkan engine must choose the same ball as the reference engine, or their bones would differ.
+// Tests cutting with Cutters::kContactSphere, where only the tool ball that touches first removes bone. In
+// each frame, the Vulkan engine must choose the same tool ball as the reference engine; otherwise their bones
+// would differ.
 
 namespace osteon::gpu {
 namespace {
@@ -16,13 +17,13 @@ using simulation::FrameInput;
 using simulation::RemovalLaw;
 using simulation::Tool;
 
-// Parameters of cutting with the contact sphere alone.
+// Parameters with which only the contact sphere cuts.
 CuttingParams ContactSphere(RemovalLaw law) {
   return {.law = law, .cutters = simulation::Cutters::kContactSphere};
 }
 
-/// The default bone's balls within 9 mm of the cup's deepest point, soft: a packing without symmetry, small
-/// enough for the slow reference engine.
+/// The balls of the default bone within 9 mm of the cup's deepest point, of a soft material. This packing has
+/// no symmetry and is small enough for the slow reference engine.
 Bone FloorOfTheCup() {
   Bone bone = DefaultBone();
   const auto far = [](const Vector3& p) { return (p - Vector3(0, 0, -0.024)).norm() > 9e-3; };
@@ -32,7 +33,8 @@ Bone FloorOfTheCup() {
   return bone;
 }
 
-/// A frame whose pose has the apex `depth_m` below the cup's floor, moved aside and rotated.
+/// A frame in which the apex is `depth_m` below the cup's floor. The tool is moved by aside_m and rotated by
+/// turn.
 FrameInput FrameOnTheFloor(double depth_m, const Vector3& aside_m, const Vector3& turn) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = ExpRotation(turn) * ExpRotation({M_PI, 0, 0});
@@ -40,7 +42,7 @@ FrameInput FrameOnTheFloor(double depth_m, const Vector3& aside_m, const Vector3
   return {.X_WT = X_WT, .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = 1e-3};
 }
 
-// A head of 120 balls, of which every fifth does not cut, is pressed in slowly and turned continuously.
+// A head of 120 balls is pressed in slowly while it turns. Every fifth ball does not cut.
 TEST(ContactSphere, ReamsLikeTheReference) {
   EnginePair engines(FloorOfTheCup(), Shell(120), {}, ContactSphere(RemovalLaw::kRate));
   for (int i = 0; i < 600; ++i)
@@ -50,8 +52,8 @@ TEST(ContactSphere, ReamsLikeTheReference) {
   engines.ExpectWithinTolerances({.force_N = 5.0, .touching = 300, .balls = 20, .points = 5});
 }
 
-// A drill with three cutting balls at its tip moves straight down under the immediate law. Its shaft's balls
-// do not cut.
+// A drill moves straight down under the immediate law. It has three cutting balls at its tip; the balls of
+// its shaft do not cut.
 TEST(ContactSphere, DrillsLikeTheReferenceUnderTheImmediateLaw) {
   Tool drill;
   for (int i = 0; i < 3; ++i)
@@ -67,8 +69,8 @@ TEST(ContactSphere, DrillsLikeTheReferenceUnderTheImmediateLaw) {
   engines.ExpectWithinTolerances({.force_N = 0.1, .touching = 200, .balls = 20, .points = 5});
 }
 
-// The tool turns so far in a frame that the engine computes the frame in parts. Each part has its own first
-// contact and cuts with that ball.
+// The tool turns so far within a frame that the engine divides the frame into parts. Each part has its own
+// first contact and cuts with the tool ball of that contact.
 TEST(ContactSphere, CutsLikeTheReferenceInAFrameOfSeveralParts) {
   EnginePair engines(FloorOfTheCup(), Shell(40), {}, ContactSphere(RemovalLaw::kImmediate));
   for (int i = 0; i < 40; ++i)

@@ -10,8 +10,8 @@
 #include "gpu/engine/vulkan_engine.h"
 #include "simulation/bone/scenes.h"
 
-// Shared parts of the engine tests: default bone and reamer, a hand that presses the reamer into the bone, a
-// tool of many balls, and opening a Vulkan engine.
+// Shared parts of the engine tests: the default bone and reamer, a hand that presses the reamer into the
+// bone, a tool of many balls, and a function that opens a Vulkan engine.
 
 namespace osteon::gpu {
 
@@ -25,16 +25,16 @@ inline simulation::Tool DefaultReamer() {
   return simulation::MakeReamer(0.025, 0.008, 0.12, 0.9, Vector3::Zero());
 }
 
-/// A hand that pushes the tool into the cup: damped admittance along the axis, a slow tilt, and some tenths
-/// of a millimetre sideways. The hand follows the force of one engine; a second engine can then be given the
-/// same poses.
+/// A hand that pushes the tool into the cup: a damped admittance along the axis, a slow tilt, and sideways
+/// motion of some tenths of a millimetre. The hand reacts to the force of one engine. A second engine can be
+/// given the same poses.
 class Hand {
  public:
-  /// The next frame's input. @param f_W  the engine's force in the frame before
+  /// The next frame's input. @param f_W  force of the engine in the previous frame
   simulation::FrameInput Next(const Vector3& f_W) {
     const double t = frame_++ * kDt;
-    // the push rises to 130 N within 0.15 s; the damping of 600 N s/m against 20 N/mm gives a slow pole of 33
-    // per second
+    // the push rises to 130 N within 0.15 s. The damping of 600 N s/m and the stiffness of 20 N/mm give a
+    // slow pole at 33 per second
     const double push_N = std::min(130.0, 130.0 * t / 0.15);
     depth_m_ += kDt * (push_N - f_W.z()) / 600.0;
     Pose X_WT = Pose::Identity();
@@ -47,8 +47,8 @@ class Hand {
   }
 
   static constexpr double kDt = 1e-3;  ///< period of a frame [s]
-  /// Initial height of the head's centre above the top face. A head of 25 mm rests on the rim of the cup of
-  /// 24 mm at 7.0 mm; the start is 0.05 mm higher.
+  /// Initial height of the head's centre above the bone's top face. At 7.0 mm, a head of 25 mm rests on the
+  /// rim of the cup of 24 mm; the start is 0.05 mm higher.
   static constexpr double kStart_m = 7.05e-3;
 
  private:
@@ -56,8 +56,8 @@ class Hand {
   int frame_{0};
 };
 
-/// A hemisphere of many balls, as in a fitted tool: those at its rim and its pole extend farthest. Every
-/// fifth ball does not cut.
+/// A hemisphere of many balls, as in a tool that was fitted: the balls at the rim and at the pole extend
+/// farthest. Every fifth ball does not cut.
 inline simulation::Tool Shell(int count) {
   simulation::Tool tool;
   const double radius_m = 6e-3, ball_m = 0.8e-3, golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
@@ -72,8 +72,8 @@ inline simulation::Tool Shell(int count) {
   return tool;
 }
 
-/// Opens an engine with identity as the bone's pose. @throws std::runtime_error with the reason if it does
-/// not open
+/// Opens an engine for a bone whose pose is the identity. @throws std::runtime_error with the reason if the
+/// engine does not open
 inline std::unique_ptr<VulkanEngine> Open(const simulation::Bone& bone, const simulation::Tool& tool,
                                           const VulkanParams& vulkan = {},
                                           const simulation::CuttingParams& params = {}) {

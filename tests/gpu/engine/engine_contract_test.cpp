@@ -7,8 +7,8 @@
 
 #include "tests/gpu/engine/engine_twins.h"
 
-// The Vulkan engine's contract: the reference's results, the same bits in every run, and no validation
-// messages.
+// Tests the contract of the Vulkan engine: it gives the results of the reference engine and the same bits in
+// every run, and causes no validation messages.
 
 namespace osteon::gpu {
 namespace {
@@ -16,9 +16,9 @@ namespace {
 using simulation::ContactModel;
 using simulation::FrameInput;
 
-constexpr int kFrames = 500;  // of a run that is compared bit by bit
+constexpr int kFrames = 500;  // number of frames of a run that is compared bit by bit
 
-// Number of frames of a long comparison: at least `needed`, more by the variable OSTEON_FRAMES.
+// Number of frames of a long comparison: `needed`, or more if the variable OSTEON_FRAMES says so.
 int ManyFrames(int needed) {
   const char* asked = std::getenv("OSTEON_FRAMES");
   return asked ? std::max(needed, std::atoi(asked)) : needed;
@@ -27,7 +27,7 @@ int ManyFrames(int needed) {
 // An engine that computes in pairs of floats instead of doubles.
 const VulkanParams kInFloats{.device = "", .overrides = {.arithmetic = Arithmetic::kFloats}};
 
-// A hand reams with the default reamer in both engines.
+// Reams with the default reamer in both engines, guided by a hand.
 void ReamOverManyFrames(const VulkanParams& vulkan) {
   EnginePair engines(DefaultBone(), DefaultReamer(), vulkan);
   Hand hand;
@@ -41,7 +41,7 @@ void ReamOverManyFrames(const VulkanParams& vulkan) {
 TEST(VulkanEngine, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames({}); }
 TEST(VulkanEngineInFloats, ReamsLikeTheReferenceOverManyFrames) { ReamOverManyFrames(kInFloats); }
 
-// A burr of 4 mm radius works in bone whose balls are not much smaller, so that the balls in contact change
+// A burr of 4 mm radius cuts bone whose balls are not much smaller, so that the balls in contact change
 // constantly.
 void BurrOverManyFrames(const VulkanParams& vulkan) {
   simulation::Tool tool;
@@ -49,7 +49,7 @@ void BurrOverManyFrames(const VulkanParams& vulkan) {
   EnginePair engines(DefaultBone(), tool, vulkan);
   const int frames = ManyFrames(1500);
   for (int i = 0; i < frames; ++i) {
-    // the burr goes down into the rim while it moves along a figure of eight
+    // the burr moves down into the cup's rim, and at the same time along a figure of eight
     const double phase = 4.0 * M_PI * i / frames, down = std::min(1.0, 3.0 * i / frames);
     FrameInput input{.X_WT = Pose::Identity(), .spindle_rad_per_s = kSpindle_rad_per_s, .dt_s = Hand::kDt};
     input.X_WT.p =
@@ -67,7 +67,7 @@ TEST(VulkanEngine, GivesAHandTheSameForceAsTheReference) {
   const simulation::Tool tool = DefaultReamer();
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
   const auto vulkan = Open(bone, tool);
-  Hand hand, other;  // each follows its own engine's force
+  Hand hand, other;  // two hands; each reacts to the force of its own engine
   ContactModel a, b;
   double worst = 0.0, max_N = 0.0;
   for (int i = 0; i < 300; ++i) {
@@ -90,7 +90,7 @@ TEST(VulkanEngine, TwoRunsAreBitIdentical) {
 }
 
 // A seated reamer has thousands of contacts at once. The device's scheduler decides in which order they are
-// added, which must not change the sums.
+// summed. This order must not change the sums.
 TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
   const simulation::Bone bone = DefaultBone();
   const simulation::Tool fits = simulation::MakeReamer(0.0238, 0.008, 0.12, 0.9, Vector3::Zero());
@@ -98,12 +98,13 @@ TEST(VulkanEngine, TwoSeatedRunsAreBitIdentical) {
   Pose X_WT = Pose::Identity();
   X_WT.linear() = Eigen::DiagonalMatrix<double, 3>(1, -1, -1);
   const ContactModel last = ExpectSameBits(*one, *two, 80, [&](int i, const ContactModel&) {
-    // from just above the floor to 6 mm into it, and a little aside
+    // moves from just above the floor to 6 mm below it, and a little sideways
     X_WT.translation() = Vector3(2e-4 * std::sin(0.1 * i), 0, -0.0236 - std::min(6e-3, 2e-4 * i));
     return FrameInput{
         .X_WT = X_WT, .spindle_rad_per_s = 26.0, .dt_s = i == 0 ? 0.0 : 2e-3, .stamp = i * 2'000'000};
   });
-  // the reamer is seated: it touches at least a tenth of the cup's hemisphere, 2 pi R^2, not merely the rim
+  // the reamer must be seated and not only touch the rim: it engages at least a tenth of the cup's hemisphere
+  // 2 pi R^2
   EXPECT_GT(last.engaged_area_m2, 0.1 * 2.0 * std::numbers::pi * 0.024 * 0.024);
 }
 
@@ -113,7 +114,9 @@ TEST(VulkanEngine, ResultsDoNotDependOnListsKeptBetweenFrames) {
   Hand hand;
   ExpectSameBits(*keeping, *dropping, kFrames / 2, [&](int i, const ContactModel& model) {
     if (i % 7 == 6)
-      dropping->Restore(dropping->Snapshot());  // restoring the engine's own state only drops its lists
+      dropping->Restore(
+          dropping
+              ->Snapshot());  // restores the engine's own state, so that only its neighbour lists are dropped
     return hand.Next(model.F_T_W.f);
   });
 }
@@ -129,7 +132,7 @@ TEST(VulkanEngine, CausesNoValidationMessages) {
   ContactModel model;
   for (int i = 0; i < 120; ++i) model = engine.Step(hand.Next(model.F_T_W.f));
   EXPECT_GT(model.contact_count, 0);
-  // then the tool is laid on its side over the block, so that its shaft touches
+  // then lays the tool on its side over the block, so that its shaft touches
   simulation::CarvedState state = engine.Snapshot();
   state.has_proxy = false;
   engine.Restore(state);

@@ -9,7 +9,7 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// Frames and devices that fail: overload, a lost device, full memory, Vulkan that does not open.
+// Tests frames and devices that fail: overload, a lost device, full memory, and Vulkan that can't be opened.
 
 namespace osteon::gpu {
 namespace {
@@ -25,7 +25,8 @@ VulkanParams WithListCapacity(std::size_t list_capacity) {
   return params;
 }
 
-// A ball of 6 mm reaches about 16 balls of the strip where it touches, and none from its start height.
+// In contact, a ball of 6 mm has about 16 balls of the strip in its reach, more than the lists hold; at its
+// start height it has none.
 TEST(VulkanEngine, ReportsOverloadIfMoreBallsAreInReachThanItsListsHold) {
   const auto engine = Open(Strip(150), Ball(6e-3), WithListCapacity(4));
   const auto input = [](double z_m) {
@@ -43,22 +44,22 @@ TEST(VulkanEngine, ReportsOverloadIfMoreBallsAreInReachThanItsListsHold) {
   EXPECT_EQ(simulation::HashState(after), simulation::HashState(before)) << "the frame changed nothing";
   EXPECT_EQ(after.frame, before.frame);
   EXPECT_EQ(Vector3(after.X_GP.p).z(), Vector3(before.X_GP.p).z());
-  // the engine continues where there is less bone
+  // at a place with less bone the engine must continue
   const ContactModel free = engine->Step(input(9e-3));
   EXPECT_EQ(free.status, EngineStatus::kOk);
   EXPECT_EQ(free.frame, 2u);
 }
 
-// A bar turns so far in a frame that the engine computes the frame in parts. The first parts cut one ball, a
-// later part reaches more balls than the lists hold. The frame then ends early, but counts, because it has
-// changed the bone.
+// A bar turns so far within a frame that the engine divides the frame into parts. The first parts cut one
+// ball; a later part reaches more balls than the lists hold. The frame then ends early, but it counts,
+// because it has changed the bone.
 TEST(VulkanEngine, AFrameThatHasCutBeforeAnOverloadCounts) {
   simulation::Tool bar;
   for (int i = 0; i < 12; ++i)
     bar.balls.push_back({.center_m = Vector3(5e-3 + 1e-3 * i, 0, 0), .radius_m = 0.5e-3});
   simulation::Bone bone;
   bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
-  // one ball at 0.3 rad, many at the end of the turn
+  // places one ball at the angle 0.3 rad, and many balls near the end of the rotation
   const auto add = [&](double angle, double from_m) {
     const Vector3 c(from_m * std::cos(angle), from_m * std::sin(angle), 0);
     bone.balls.push_back({.center_m = c, .radius_m = 0.3e-3});
@@ -78,13 +79,13 @@ TEST(VulkanEngine, AFrameThatHasCutBeforeAnOverloadCounts) {
   EXPECT_EQ(whole.status, EngineStatus::kOk);
   EXPECT_GT(whole.removed_volume_m3, 0.0) << "the part that cut";
   EXPECT_EQ(whole.frame, 2u);
-  // the next frame reaches too many balls from its beginning, and changes nothing
+  // the next frame has too many balls in reach from its beginning, so it must change nothing
   const std::uint64_t hash = simulation::HashState(engine->Snapshot());
   EXPECT_EQ(engine->Step(turned(1.6)).status, EngineStatus::kOverloaded);
   EXPECT_EQ(simulation::HashState(engine->Snapshot()), hash);
 }
 
-// Parameters of an engine whose device seems to hang: a timeout of zero expires in every frame.
+// Parameters of an engine whose device appears to hang: its timeout is zero, so it expires in every frame.
 VulkanParams WithHangingDevice() {
   VulkanParams params;
   params.overrides.fence = FencePolicy::kWait;
@@ -109,7 +110,8 @@ TEST(VulkanEngine, ReportsDeviceLostAfterAFrameThatTimesOut) {
   EXPECT_THROW(engine->Restore(books), std::runtime_error);
 }
 
-// A snapshot has to read the balls back from the device. If that takes too long, the snapshot has no balls.
+// A snapshot must read the balls back from the device. If that takes too long, the snapshot has no balls and
+// the device counts as lost.
 TEST(VulkanEngine, ASnapshotThatTimesOutLosesTheDevice) {
   const auto engine = Open(DefaultBone(), DefaultReamer(), WithHangingDevice());
   Hand hand;
@@ -122,8 +124,8 @@ TEST(VulkanEngine, ASnapshotThatTimesOutLosesTheDevice) {
 
 // ---- memory
 
-// Memory of a graphics card: 8 GB on the device (type 0), 16 GB on the host (types 1 and 2, cached), and a
-// host-visible window of 256 MB into the device's memory (type 3).
+// Memory types of a graphics card: 8 GB on the device (type 0), 16 GB on the host (types 1 and 2, type 2
+// cached), and a window of 256 MB into the device's memory that the host can access (type 3).
 vk::PhysicalDeviceMemoryProperties CardMemory() {
   using Property = vk::MemoryPropertyFlagBits;
   const vk::MemoryPropertyFlags host = Property::eHostVisible | Property::eHostCoherent;

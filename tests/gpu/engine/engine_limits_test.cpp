@@ -12,15 +12,15 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// The list of Vulkan devices and how they are opened; the engine's limits on tools and bones; results at
-// special sizes, compared with the reference engine; and culling.
+// Tests the list of Vulkan devices and how they are opened, the engine's limits on tools and bones, results
+// at special sizes (compared with the reference engine), and culling.
 
 namespace osteon::gpu {
 namespace {
 
 using simulation::ContactModel;
 
-// Why an engine does not open; empty if it does.
+// The reason why an engine does not open; empty if it opens.
 std::string ErrorOf(const simulation::Bone& bone, const simulation::Tool& tool, const VulkanParams& vulkan) {
   const auto engine = VulkanEngine::Create(bone, tool, Pose::Identity(), {}, vulkan);
   return engine ? "" : engine.error();
@@ -62,7 +62,7 @@ TEST(Devices, AreFoundByAPartOfTheirNameInAnyCase) {
   EXPECT_GE(named, 1);
 }
 
-// Drivers may allow a process only a few dozen Vulkan instances, so all devices share one.
+// All devices share one Vulkan instance, because some drivers allow a process only a few dozen instances.
 TEST(Devices, AreOpenedManyTimesOnOneInstance) {
   const auto first = OpenContext("", false);
   ASSERT_TRUE(first.has_value()) << first.error();
@@ -77,8 +77,8 @@ TEST(Devices, AreOpenedManyTimesOnOneInstance) {
   EXPECT_FALSE((*first)->shared->messenger.has_value()) << "the layers were not asked for";
 }
 
-// Linux may leave two of the driver's worker threads on one core for a whole run, which makes every frame
-// nearly twice as long. So each worker is pinned to its own core.
+// Linux may run two worker threads of the driver on one core for a whole run, which makes every frame nearly
+// twice as long. Therefore each worker must be pinned to a core of its own.
 TEST(Devices, EachDriverThreadIsPinnedToItsOwnCore) {
   const auto context = OpenContext("", false);
   ASSERT_TRUE(context.has_value()) << context.error();
@@ -86,7 +86,7 @@ TEST(Devices, EachDriverThreadIsPinnedToItsOwnCore) {
   cpu_set_t allowed;
   ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
   int rasterizers = 0;
-  std::vector<int> cores;  // of threads that are pinned to one core
+  std::vector<int> cores;  // cores of the threads that are pinned to one core
   for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
     std::string name;
     std::getline(std::ifstream(task.path() / "comm"), name);
@@ -149,7 +149,7 @@ TEST(VulkanEngine, RefusesToolsAndBonesBeyondItsLimits) {
 
 TEST(VulkanEngine, CutsLikeTheReferenceWithTheLargestNumberOfMaterials) {
   simulation::Tool tool;
-  for (int i = 0; i < 64; ++i)  // a rake along x
+  for (int i = 0; i < 64; ++i)  // balls in a line along x, as the teeth of a rake
     tool.balls.push_back(
         {.center_m = Vector3(0.4e-3 * (i - 31.5), 0, -2e-3), .radius_m = 2e-3, .cutting = i % 3 != 0});
   simulation::Bone bone = Strip(40);
@@ -158,8 +158,8 @@ TEST(VulkanEngine, CutsLikeTheReferenceWithTheLargestNumberOfMaterials) {
     bone.points[i].material = static_cast<simulation::MaterialIndex>(i % 8);
   simulation::ReferenceEngine reference(bone, tool, Pose::Identity(), {});
   const auto vulkan = Open(bone, tool);
-  // beside the middle, because at a symmetric place two balls touch equally and rounding would decide between
-  // them
+  // moves beside the middle: at a symmetric place two balls would touch at the same time, and rounding would
+  // decide which one counts
   for (int i = 0; i < 60; ++i) {
     const simulation::FrameInput input{.X_WT = Down({0.13e-3, 0.07e-3, 0.3e-3 - 0.05e-3 * i}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
@@ -203,23 +203,23 @@ TEST(VulkanEngine, WorksWithoutPointsAndWithoutBalls) {
 class BoneSizes : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, BoneSizes, testing::Values(1, 2, 63, 64, 65, 127, 129, 200));
 
-// Workgroups and clusters hold 64 balls. With these numbers of balls in the bone, the last cluster is full,
-// partly filled, lacks one ball, or holds only one.
+// Workgroups and clusters hold 64 balls. The tested numbers of bone balls make the last cluster full, partly
+// filled, short of one ball, or contain a single ball.
 TEST_P(BoneSizes, AgreeWithTheReferenceBallByBall) {
   const simulation::Bone bone = Strip(GetParam());
   simulation::CuttingParams params;
   params.law = simulation::RemovalLaw::kImmediate;
   simulation::ReferenceEngine reference(bone, Ball(4e-3), Pose::Identity(), params);
   const auto vulkan = Open(bone, Ball(4e-3), {}, params);
-  // the tool moves along the strip from end to end and beyond, 0.3 mm deep, and 0.3 mm beside the middle
-  // line, where the sectors of contacts meet
+  // the tool moves along the whole strip and beyond both ends, at a depth of 0.3 mm. It is 0.3 mm away from
+  // the middle line, because there the sectors of contacts meet
   const double reach = 0.4e-3 * GetParam() + 2e-3;
-  const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // slower than the proxy's largest slide
+  const int frames = static_cast<int>(2.0 * reach / 0.1e-3);  // per frame less than the proxy's largest slide
   for (int i = 0; i <= frames; ++i) {
     const simulation::FrameInput input{.X_WT = Down({reach * (2.0 * i / frames - 1.0), 0.3e-3, -0.3e-3}),
                                        .spindle_rad_per_s = kSpindle_rad_per_s};
     const ContactModel a = reference.Step(input), b = vulkan->Step(input);
-    // the tolerance of sliding: with single balls, rounding decides which one is met first
+    // the tolerance is that of sliding, because with single balls rounding decides which ball is met first
     ASSERT_EQ(b.status, simulation::EngineStatus::kOk);
     ASSERT_NEAR((Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm(), 0.0, 2e-5) << i;
   }
@@ -227,12 +227,12 @@ TEST_P(BoneSizes, AgreeWithTheReferenceBallByBall) {
   ASSERT_EQ(one.balls.size(), two.balls.size());
   for (std::size_t i = 0; i < one.balls.size(); ++i) ASSERT_NEAR(one.balls[i], two.balls[i], 2e-2) << i;
   EXPECT_EQ(one.cleared, two.cleared);
-  EXPECT_LT(two.balls[3], 1.0f);  // the first and the last ball were cut
+  EXPECT_LT(two.balls[3], 1.0f);  // the first and the last ball must have been cut
   EXPECT_LT(two.balls.back(), 1.0f);
 }
 
-// Expects the same bits with culling as without: culling may leave out only balls and points out of the
-// tool's reach.
+// Expects that culling changes no bit of the results: it may leave out only balls and points that the tool
+// can't reach.
 void ExpectCullingChangesNoBit(const simulation::Tool& tool, const simulation::CuttingParams& params = {}) {
   simulation::Bone bone = Strip(150);
   for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
@@ -248,7 +248,8 @@ void ExpectCullingChangesNoBit(const simulation::Tool& tool, const simulation::C
 }
 
 TEST(VulkanEngine, CullingGivesTheSameBitsAsBruteForce) {
-  for (const int balls : {1, 300, 2000})  // 2000: more loop iterations than llvmpipe allows an invocation
+  for (const int balls : {1, 300, 2000})  // with 2000 balls, a brute-force loop has more iterations than
+                                          // llvmpipe allows in one invocation
     ExpectCullingChangesNoBit(balls == 1 ? Ball(6e-3) : Shell(balls));
 }
 
@@ -273,8 +274,8 @@ TEST(VulkanEngine, CutsLikeTheReferenceWithAToolOfThousandsOfBalls) {
   EXPECT_EQ(one.cleared, two.cleared);
 }
 
-// The tool jumps by 1 m through the bone in one frame. Neighbour lists that were built at the start must not
-// hide the bone halfway.
+// The tool jumps by 1 m through the bone in one frame. The neighbour lists of the start must not hide the
+// bone halfway.
 TEST(VulkanEngine, AJumpOfAMetreMeetsTheBoneHalfway) {
   const auto engine = Open(Strip(40), Ball(4e-3));
   engine->Step({.X_WT = Down({0, 0, 0.5})});

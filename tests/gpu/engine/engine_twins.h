@@ -11,21 +11,23 @@
 #include "simulation/engine/reference_engine.h"
 #include "tests/gpu/engine/contract_bench.h"
 
-// Runs two engines on the same poses and measures how far the Vulkan engine is from the reference, or checks
-// that two engines agree to the last bit.
+// Runs two engines with the same poses. Measures how far the Vulkan engine's results are from the reference
+// engine's, or checks that two engines agree to the last bit.
 
 namespace osteon::gpu {
 
 /// Largest differences between two engines' models over the frames of a run.
 struct FrameDifferences {
-  double contact_mm{0.0};  ///< place of first contact along the frame's path
-  double normal_deg{0.0};  ///< direction of the normal, in frames with more than 1 N
+  double contact_mm{0.0};  ///< difference of the first contact's place along the frame's path
+  double normal_deg{0.0};  ///< angle between the normals, in frames with more than 1 N
   double proxy_mm{0.0}, force_N{0.0}, torque_Nm{0.0};
-  double max_N{0.0};                     ///< largest force of the first engine: not a difference
-  int touching{0}, different_counts{0};  ///< frames in contact; frames with different numbers of contacts
-  int mismatched{0};  ///< frames whose status or number differs, or with a force in only one engine
+  double max_N{0.0};  ///< largest force of the first engine; this is not a difference
+  int touching{0},
+      different_counts{0};  ///< number of frames in contact, and of frames with different numbers of contacts
+  int mismatched{0};        ///< number of frames in which status or frame number differ, or in which only one
+                            ///< engine has a force
 
-  /// Adds one frame. @param path_m  from the previous frame's proxy to the pose
+  /// Adds one frame. @param path_m  distance from the previous frame's proxy to this frame's pose
   void Add(double path_m, const simulation::ContactModel& a, const simulation::ContactModel& b) {
     const Vector3 f = a.F_T_W.f, n = a.n_W, m = b.n_W;
     contact_mm = std::max(contact_mm, 1e3 * path_m * std::abs(a.contact_fraction - b.contact_fraction));
@@ -45,9 +47,11 @@ struct FrameDifferences {
 /// Differences between two engines' carved states.
 struct BoneDifferences {
   double ball_mm{0.0};  ///< largest difference of a centre's coordinate or radius
-  int exempt{0};  ///< balls gone in only one engine, within 1e-5 mm of the radius at which a ball is dropped
-  int points{0};  ///< mass points that only one engine has cleared
-  int changed{0}, cleared{0};  ///< balls cut and points cleared by the first engine
+  int exempt{0};  ///< number of balls that only one engine has removed, with a radius within 1e-5 mm of the
+                  ///< radius at which a ball is removed
+  int points{0};  ///< number of mass points that only one engine has cleared
+  int changed{0},
+      cleared{0};  ///< number of balls that the first engine has cut, and of points that it has cleared
 };
 /// @param uncut  the bone before the run
 inline BoneDifferences Compare(const simulation::Bone& uncut, const simulation::CarvedState& a,
@@ -73,8 +77,8 @@ inline BoneDifferences Compare(const simulation::Bone& uncut, const simulation::
   return differences;
 }
 
-/// Expects that two engines differ by no more than the contract's tolerances, after printing the differences.
-/// @param a, b  the last models
+/// Prints the differences, then expects that they are within the contract's tolerances.
+/// @param a, b  the models of both engines in the last frame
 inline void ExpectWithinTolerances(const FrameDifferences& frames, const BoneDifferences& bones,
                                    const simulation::ContactModel& a, const simulation::ContactModel& b) {
   std::printf(
@@ -91,7 +95,8 @@ inline void ExpectWithinTolerances(const FrameDifferences& frames, const BoneDif
   EXPECT_LE(bones.ball_mm, 1e-4);
   EXPECT_LE(bones.exempt, 3);
   EXPECT_NEAR(b.removed_mass_kg, a.removed_mass_kg, 1e-5 * a.removed_mass_kg);
-  // tolerances that follow from these: the coupling's force on the proxy (20 N/mm), the torque at 150 mm
+  // tolerances that follow from those above: the force by the coupling's 20 N/mm, the torque by a lever of
+  // 150 mm
   EXPECT_LE(frames.proxy_mm, 1e-3);
   EXPECT_LE(frames.force_N, 0.02);
   EXPECT_LE(frames.torque_Nm, 3e-3);
@@ -111,7 +116,7 @@ class EnginePair {
         reference_(bone_, tool, Pose::Identity(), params),
         vulkan_(Open(bone_, tool, vulkan, params)) {}
 
-  /// @returns the reference's model.
+  /// Steps both engines. @returns the reference engine's model.
   const simulation::ContactModel& Step(const simulation::FrameInput& input) {
     const double path_m = a_.frame > 0 ? (Vector3(input.X_WT.p) - Vector3(a_.X_WP.p)).norm() : 0.0;
     a_ = reference_.Step(input);
@@ -119,13 +124,14 @@ class EnginePair {
     frames_.Add(path_m, a_, b_);
     return a_;
   }
-  /// What a run must have had, so that it compares something: force, frames in contact, balls cut, points
-  /// cleared.
+  /// Least activity of a run, without which a comparison would prove nothing: force, frames in contact, balls
+  /// cut, points cleared.
   struct MinActivity {
     double force_N;
     int touching, balls, points;
   };
-  /// Ends the run: expects the contract's tolerances, and enough contact and cutting.
+  /// Ends the run: expects that the differences are within the contract's tolerances, and that the run had
+  /// the required activity.
   void ExpectWithinTolerances(const MinActivity& required) const {
     const BoneDifferences bones = Compare(bone_, reference_.Snapshot(), vulkan_->Snapshot());
     EXPECT_GT(frames_.max_N, required.force_N);
@@ -143,7 +149,7 @@ class EnginePair {
   simulation::ContactModel a_, b_;
 };
 
-/// Whether two models agree in every bit of every number (their padding may differ).
+/// Whether two models agree in every bit of every number. Their padding bytes may differ.
 inline bool Identical(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
   bool equal = same(a.X_WP, b.X_WP) && a.contact_count == b.contact_count && a.status == b.status &&
@@ -162,9 +168,9 @@ inline bool Identical(const simulation::ContactModel& a, const simulation::Conta
   return equal;
 }
 
-/// Steps two engines by `input_of(i, model of the frame before)` and compares every number of every model,
-/// and the carved states. The tool must touch and cut, because idle engines would agree, too. @returns the
-/// last model.
+/// Steps two engines with the input `input_of(i, model of the previous frame)`. Expects that every number of
+/// every model and the carved states agree. The tool must touch and cut, because two idle engines would agree
+/// as well. @returns the last model.
 template <class InputOf>
 simulation::ContactModel ExpectSameBits(simulation::CuttingEngine& one, simulation::CuttingEngine& two,
                                         int frames, InputOf&& input_of) {

@@ -10,9 +10,10 @@
 #include "tests/gpu/engine/engine_twins.h"
 #include "tests/gpu/engine/strip_bench.h"
 
-// The engine's variants for other devices, run on the present device: passes for a GPU (whose last workgroup
-// solves and reports) or for a processor, subgroup sizes, few workgroups, keys for more balls, arithmetic
-// without 64-bit integers or doubles. All variants give the same bits, or the reference's results.
+// Tests the engine's variants for other devices on the present device: passes for a GPU (whose last workgroup
+// solves and reports) or for a processor, subgroup sizes, few workgroups, keys with room for more balls, and
+// arithmetic without 64-bit integers or doubles. All variants must give the same bits, or the results of the
+// reference engine within its tolerances.
 
 namespace osteon::gpu {
 namespace {
@@ -21,7 +22,7 @@ using simulation::ContactModel;
 using simulation::CuttingParams;
 using simulation::FrameInput;
 
-// Parameters of an engine with these choices instead of those that suit the device.
+// Parameters of an engine that uses these variants instead of the variants that suit the device.
 VulkanParams With(const VulkanOverrides& overrides) {
   VulkanParams params;
   params.overrides = overrides;
@@ -30,12 +31,12 @@ VulkanParams With(const VulkanOverrides& overrides) {
 constexpr VulkanOverrides kForGpu{.variant = PassVariant::kGpu},
     kForProcessor{.variant = PassVariant::kProcessor};
 
-// A stroke along the strip; every 50th frame has the spindle at rest.
+// Frame i of a stroke along the strip. In every 50th frame the spindle is at rest.
 FrameInput StrokeInput(int i) {
   return {.X_WT = Stroke(i), .spindle_rad_per_s = i % 50 == 49 ? 0.0 : kSpindle_rad_per_s};
 }
 
-// A strip of bone with balls for more than one workgroup, and mass points in the tool's way.
+// A strip of bone with more balls than one workgroup handles, and with mass points in the tool's path.
 simulation::Bone LongStrip() {
   simulation::Bone bone = Strip(150);
   for (simulation::MassPoint& point : bone.points) point.p_m.z = -0.1e-3;
@@ -43,7 +44,9 @@ simulation::Bone LongStrip() {
 }
 
 TEST(GpuPasses, GiveTheSameBitsAsThoseForAProcessor) {
-  for (const int balls : {1, 60}) {  // one cutting ball, which needs no packed pairs; several, and a shaft
+  for (const int balls :
+       {1,
+        60}) {  // one cutting ball, for which no packed pairs are needed; then 60 cutting balls and a shaft
     const simulation::Tool tool = balls == 1 ? Ball(6e-3) : Shell(balls);
     const auto gpu = Open(LongStrip(), tool, With(kForGpu)),
                processor = Open(LongStrip(), tool, With(kForProcessor));
@@ -84,7 +87,7 @@ TEST(GpuPasses, GiveTheSameBitsForEveryWayToWaitForTheirEnd) {
   }
 }
 
-// A seated reamer with thousands of pairs: the sums of all workgroups are combined.
+// A seated reamer has thousands of pairs, so the sums of all workgroups must be combined.
 TEST(GpuPasses, ReamLikeTheReference) {
   const simulation::Bone bone = DefaultBone();
   simulation::ReferenceEngine reference(bone, DefaultReamer(), Pose::Identity(), {});
@@ -104,7 +107,7 @@ TEST(GpuPasses, ReamLikeTheReference) {
   EXPECT_LE(differences.force_N, 0.02);
 }
 
-// With the cutting law's edge force, for both kinds of passes and in pairs of floats.
+// Reams with the edge force of the cutting law: with both kinds of passes, and in pairs of floats.
 TEST(GpuPasses, ReamWithEdgeForceLikeTheReference) {
   simulation::Bone bone = DefaultBone();
   for (simulation::Material& material : bone.materials) {
@@ -146,7 +149,7 @@ TEST(GpuPasses, ReamWithEdgeForceLikeTheReference) {
 
 TEST(Workgroups, AFewDoTheWorkOfManyWithTheSameBits) {
   CuttingParams params;
-  params.split.on = true;  // workgroups load children, too
+  params.split.on = true;  // workgroups must load children as well
   params.split.pool_blocks = 64;
   for (const VulkanOverrides& variant : {kForGpu, kForProcessor}) {
     VulkanOverrides few = variant;
@@ -159,8 +162,8 @@ TEST(Workgroups, AFewDoTheWorkOfManyWithTheSameBits) {
   }
 }
 
-// Keys that have room for 2^28 balls keep distances only in units of 2^-23 mm. The contacts agree to within
-// that.
+// Keys with room for 2^28 balls resolve distances only to 2^-23 mm. The contacts must agree within this
+// resolution.
 TEST(BoneBallBits, ForTheLargestBoneGiveTheReferencesContacts) {
   VulkanOverrides wide;
   wide.bone_ball_bits = 28;
@@ -175,26 +178,27 @@ TEST(BoneBallBits, ForTheLargestBoneGiveTheReferencesContacts) {
 
 // ---- without 64-bit integers, and without doubles
 
-// 64-bit integers as two words of 32 bits.
+// Overrides with 64-bit integers as two words of 32 bits.
 VulkanParams WithWords(VulkanOverrides overrides) {
   overrides.arithmetic = Arithmetic::kWords;
   return With(overrides);
 }
-// Doubles as pairs of floats.
+// Overrides with doubles as pairs of floats.
 VulkanParams WithFloats(VulkanOverrides overrides, Arithmetic arithmetic = Arithmetic::kFloats) {
   overrides.arithmetic = arithmetic;
   return With(overrides);
 }
 
-// Many balls of a strip are alike and have equal scores, so that the lower words of their keys decide.
+// Many balls of a strip are equal and have equal scores, so the lower words of their keys decide which ball
+// is chosen.
 TEST(Words, GiveTheSameBitsAs64BitIntegers) {
   CuttingParams contact_sphere, split;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
   contact_sphere.law = simulation::RemovalLaw::kImmediate;
   split.split.on = true;
   split.split.pool_blocks = 64;
-  // six of the twelve combinations, in which each pair of choices occurs: a software driver takes seconds to
-  // compile an engine
+  // six of the twelve combinations, in which each pair of choices occurs. They suffice, because a software
+  // driver takes seconds to compile each engine
   struct Case {
     const VulkanOverrides& variant;
     int balls;
@@ -211,8 +215,8 @@ TEST(Words, GiveTheSameBitsAs64BitIntegers) {
   }
 }
 
-// A seated reamer has thousands of pairs: many workgroups add to the same sums, and lower words overflow into
-// upper ones.
+// A seated reamer has thousands of pairs. Many workgroups add to the same sums, and the lower words overflow
+// into the upper words.
 TEST(Words, GiveTheSameBitsForASeatedReamer) {
   const simulation::Bone bone = DefaultBone();
   const auto words = Open(bone, DefaultReamer(), WithWords(kForGpu)),
@@ -231,8 +235,8 @@ TEST(Words, GiveTheSameBitsForTheKeysOfTheLargestBone) {
   ExpectSameBits(*words, *whole, 100, [](int i, const ContactModel&) { return StrokeInput(i); });
 }
 
-// The device is opened without the features that a variant avoids, so the validation layers would report a
-// shader that uses one.
+// The device is opened without the features that a variant avoids. So the validation layers would report a
+// shader that uses one of these features.
 TEST(Arithmetic, CausesNoValidationMessages) {
   for (VulkanParams params : {WithWords(kForGpu), WithWords(kForProcessor), WithFloats(kForGpu),
                               WithFloats(kForProcessor), WithFloats(kForGpu, Arithmetic::kFloatsInt64)}) {
@@ -247,9 +251,9 @@ TEST(Arithmetic, CausesNoValidationMessages) {
   }
 }
 
-// In floats, too, sums are sums of whole numbers, so that neither the order of execution nor two words
-// instead of a 64-bit integer change a bit. (Few engines, since a software driver takes seconds to compile
-// each.)
+// With floats, sums are sums of whole numbers as well. So neither the order of execution nor the use of two
+// words for a 64-bit integer may change a bit. The test uses few engines, because a software driver takes
+// seconds to compile each.
 TEST(Floats, GiveTheSameBitsInGpuAndProcessorPassesAndInEitherIntegers) {
   CuttingParams contact_sphere;
   contact_sphere.cutters = simulation::Cutters::kContactSphere;
@@ -267,8 +271,8 @@ TEST(Floats, GiveTheSameBitsInGpuAndProcessorPassesAndInEitherIntegers) {
   }
 }
 
-// An exact product needs an fma() that rounds once, or the splitting of its factors. The two agree in every
-// bit exactly if the device's fma() rounds once, which the engine must have detected.
+// An exact product needs an fma() that rounds once, or factors that are split. Both methods agree in every
+// bit if and only if the device's fma() rounds once. The engine must have detected whether it does.
 TEST(Floats, GiveTheSameBitsByFmaOnlyIfTheDevicesFmaIsFused) {
   const auto context = OpenContext("", false, Arithmetic::kFloats);
   ASSERT_TRUE(context) << context.error();
@@ -284,9 +288,9 @@ TEST(Floats, GiveTheSameBitsByFmaOnlyIfTheDevicesFmaIsFused) {
 
 // ---- subgroup sizes
 
-// Compares an engine on llvmpipe at this vector width with the reference. llvmpipe reads the width from the
-// environment when it is loaded, so each width needs its own process. @returns 0 if all subgroup sizes agree
-// or llvmpipe is missing
+// Compares an engine on llvmpipe at this vector width with the reference engine. llvmpipe reads the width
+// from the environment when it is loaded, so each width needs a process of its own.
+// @returns 0 if the engine agrees with all subgroup sizes, or if llvmpipe is missing
 int CutsAtVectorWidth(const char* bits) {
   setenv("LP_NATIVE_VECTOR_WIDTH", bits, 1);
   const auto context = OpenContext("llvmpipe", false);
@@ -320,7 +324,7 @@ int CutsAtVectorWidth(const char* bits) {
 class SubgroupSizeDeathTest : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(, SubgroupSizeDeathTest, testing::Values(128, 256, 512));
 
-// Nothing may open a device before the child process starts, because the child runs this code as well.
+// No device may be opened before the child process starts, because the child runs this code as well.
 TEST_P(SubgroupSizeDeathTest, HoldsTheToolLikeTheReference) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::exit(CutsAtVectorWidth(std::to_string(GetParam()).c_str())), testing::ExitedWithCode(0),

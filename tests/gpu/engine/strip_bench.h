@@ -6,12 +6,12 @@
 #include "simulation/contact/contact_model.h"
 #include "simulation/tools/tool.h"
 
-// A strip of bone and a tool ball that moves along it: the smallest scene in which all of the engine's passes
-// have work.
+// A strip of bone and a tool ball that moves along it. This is the smallest scene in which every pass of the
+// engine has work.
 
 namespace osteon::gpu {
 
-/// A tool at p whose axis points down.
+/// Pose of a tool at p whose axis points down.
 inline Pose Down(const Vector3& p) {
   Pose X = Pose::Identity();
   X.linear() = ExpRotation({M_PI, 0, 0});
@@ -19,14 +19,15 @@ inline Pose Down(const Vector3& p) {
   return X;
 }
 
-/// A tool of one cutting ball, whose surface ends at the tool's origin (its apex).
+/// A tool of one cutting ball. The ball's surface touches the tool's origin (its apex).
 inline simulation::Tool Ball(double radius_m) {
   simulation::Tool tool;
   tool.balls = {{.center_m = Vector3(0, 0, -radius_m), .radius_m = radius_m, .cutting = true}};
   return tool;
 }
 
-/// A strip of balls of 1 mm, 0.8 mm apart, their tops at z = 0, with a mass point at the centre of each.
+/// A strip of balls of 1 mm radius, 0.8 mm apart, with their tops at z = 0. Each ball has a mass point at its
+/// centre.
 inline simulation::Bone Strip(int count) {
   simulation::Bone bone;
   bone.materials = {{.name = "soft", .specific_cutting_energy_J_per_m3 = 1e6}};
@@ -38,16 +39,16 @@ inline simulation::Bone Strip(int count) {
   return bone;
 }
 
-/// Whether two models have the same proxy within 10 um, and the same force within that at 20 N/mm. (With
-/// single balls, rounding decides which one is met first.)
+/// Whether two models agree: the proxy within 10 um, and the force within 10 um at 20 N/mm. The tolerance is
+/// needed because with single balls rounding decides which ball is met first.
 inline bool HaveSameContact(const simulation::ContactModel& a, const simulation::ContactModel& b) {
   return b.status == simulation::EngineStatus::kOk &&
          (Vector3(a.X_WP.p) - Vector3(b.X_WP.p)).norm() <= 1e-5 &&
          (Vector3(a.F_T_W.f) - Vector3(b.F_T_W.f)).norm() <= 0.2;
 }
 
-/// Pose in frame i of a stroke of 150 frames: pressed 1 mm into the strip within 100 frames, then lifted,
-/// while moving along the strip.
+/// Pose in frame i of a stroke of 150 frames along the strip. The tool is pressed 1 mm deep within 100
+/// frames, then lifted.
 inline Pose Stroke(int i) {
   return Down({1e-5 * i, 2e-6 * i, i < 100 ? 0.3e-3 - 1.3e-5 * i : -1e-3 + 3e-5 * (i - 100)});
 }

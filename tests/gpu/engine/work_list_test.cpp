@@ -7,15 +7,15 @@
 
 #include <gtest/gtest.h>
 
-// The layout of a tool's balls in groups, and the work list: which tool balls can meet which cluster of bone
-// balls.
+// Tests the layout of a tool's balls in groups, and the work list. The list says which tool balls can meet
+// which cluster of bone balls.
 
 namespace osteon::gpu {
 namespace {
 
 constexpr double kMillimetres = 1e3;
 
-// A tool of balls on a sphere of 20 mm radius, along a spiral, so that neighbours in the list are not
+// A tool of balls on a sphere of 20 mm radius. The balls follow a spiral, so neighbours in the list are not
 // neighbours in space. Every seventh ball does not cut.
 simulation::Tool Spiral(int count) {
   simulation::Tool tool;
@@ -30,7 +30,7 @@ simulation::Tool Spiral(int count) {
   return tool;
 }
 
-// Bone balls of up to 1 mm radius in clusters of 64 neighbours, at random places near the tool's sphere.
+// Clusters of 64 neighbouring bone balls with radii of up to 1 mm, at random places near the tool's sphere.
 std::vector<vec4> Clusters(int count) {
   std::mt19937_64 random(3);
   std::normal_distribution<float> direction;
@@ -45,7 +45,7 @@ std::vector<vec4> Clusters(int count) {
   return items;
 }
 
-// The motion of a tool's groups and balls along motion_m, enlarged by reach_mm.
+// The paths of a tool's groups and balls along motion_m, enlarged by reach_mm.
 struct Sweeps {
   std::vector<BallSweep> groups, balls;
 };
@@ -62,7 +62,8 @@ Sweeps MakeSweeps(const ToolLayout& layout, const Vector3& motion_m, float reach
   return sweeps;
 }
 
-// Distance between the surfaces of a bone ball and a moving tool ball, sampled along the motion [mm].
+// Smallest distance [mm] between the surfaces of a bone ball and a moving tool ball, sampled along the
+// motion.
 float Gap(const vec4& ball, const BallSweep& sweep) {
   float min_gap_mm = std::numeric_limits<float>::max();
   for (int i = 0; i <= 50; ++i) {
@@ -90,7 +91,7 @@ TEST(ToolLayout, EachBallIsInOneGroupOfNeighbours) {
     if (layout.Cuts(layout.groups[g].front())) widest_m = std::max(widest_m, layout.group_bounds[g].radius_m);
   }
   EXPECT_EQ(seen.size(), 1000u);
-  // 16 of 857 balls on 5000 mm^2 take a patch of 10 mm; the layout may leave it twice as long as wide
+  // 16 of 857 balls on 5000 mm^2 cover a patch of about 10 mm; the patch may be twice as long as wide
   EXPECT_LT(widest_m, 10e-3);
   for (std::size_t t = 1; t < layout.cutter_count; ++t) EXPECT_LT(layout.number[t - 1], layout.number[t]);
 }
@@ -102,7 +103,7 @@ TEST(WorkList, ListsEveryPairThatCanMeetInOrderAndFewOthers) {
   const Sweeps sweeps = MakeSweeps(layout, {3e-3, -2e-3, 1e-3}, 0.4f);
   WorkList work(tree.cluster_count(), layout, 100'000);
   std::vector<ClusterPairs> found;
-  for (int again = 0; again < 2; ++again) {  // the second time nothing of the first may remain
+  for (int again = 0; again < 2; ++again) {  // the second pass must leave nothing of the first
     work.Clear();
     work.Add(tree, sweeps.groups, sweeps.balls, found);
   }

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-// The 64-bit keys by which the shaders find the nearest pair of a bin: distance (score), bone ball and tool
-// ball. The shaders' own source is compiled as C++ for this test.
+// Tests the 64-bit keys by which the shaders find the nearest pair of a bin. A key consists of distance
+// (score), bone ball and tool ball. This test compiles the shaders' own source as C++.
 
 namespace osteon::gpu {
 namespace {
@@ -36,7 +36,8 @@ TEST(BinKey, HasRoomForEveryBallOfTheBone) {
   EXPECT_EQ(BoneBits((std::size_t{1} << 24) + 1), 25u);
 }
 
-// The nearer pair wins, then the lower ball, then the lower tool ball.
+// The pair with the smaller distance wins; if equal, the one with the lower bone ball; if equal, the one with
+// the lower tool ball.
 TEST(BinKey, OrdersByScoreThenBallThenToolBall) {
   const auto key = [](double score_mm, uint bone, uint tool) {
     return BinKey(ScoreUnits(score_mm), bone, tool, kMinBoneBits);
@@ -46,8 +47,8 @@ TEST(BinKey, OrdersByScoreThenBallThenToolBall) {
   EXPECT_LT(key(0.0, 1, 1), key(0.0, 1, 2));
 }
 
-// Scores keep their order as deep as a tool may be placed and up to the largest enlargement that a cell may
-// have; beyond about 33 mm they saturate.
+// Scores keep their order for every depth at which a tool may be placed, and up to the largest enlargement
+// that a cell may have. Beyond about 33 mm they saturate.
 TEST(BinKey, DistinguishesScoresBeyondAMillimetre) {
   const double step_mm = 1e-4;
   for (const double score : {-30.0, -5.0, -1.5, -0.97, -0.96, -0.1, 0.0, 0.24, 0.96, 0.97, 1.5, 5.0, 30.0})
@@ -71,7 +72,7 @@ TEST(BinKey, RisesWithTheScoreInFloatsAndInDoubles) {
 }
 
 TEST(BinKey, ResolvesScoresInUnitsOf30Picometres) {
-  // a unit is 2^-25 mm
+  // scores are counted in units of 2^-25 mm
   EXPECT_EQ(ScoreUnits(1e-7) - ScoreUnits(0.0), static_cast<uint>(1e-7 * 33554432.0));
   EXPECT_EQ(ScoreUnits(0.24) - ScoreUnits(0.0), static_cast<uint>(0.24 * 33554432.0));
 }

@@ -12,7 +12,7 @@
 #include "kinematics/payload.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// The simulated arm with masses, compared with closed forms: the servo's differential equation, statics,
+// Tests the simulated arm with masses against closed forms: the servo's differential equation, statics,
 // energy and momentum.
 
 namespace osteon::hil {
@@ -68,8 +68,8 @@ kinematics::Jacobian ToolJacobian(const JointVector& q) {
   return chain.JacobianAt(posture, posture.X_BF * kTool_m);
 }
 
-// The tolerance of 1e-9 rad covers the Runge-Kutta error: with steps of 1/8 ms on an oscillator of 15 Hz, (w
-// h)^4 / 120 or about 1e-11 of a step.
+// The tolerance of 1e-9 rad covers the error of the Runge-Kutta method. With steps h of 1/8 ms and an
+// oscillator of 15 Hz (angular frequency w), the error is (w h)^4 / 120, about 1e-11 of a step.
 TEST(DynamicArm, WithAnExactModelPositionControlEqualsTheServosEquation) {
   auto limits = Iiwa().joints;
   std::array<kinematics::JointLimits, 7> fast;
@@ -141,8 +141,8 @@ TEST(DynamicArm, AWrenchDeflectsTheArmByTheControllersCompliance) {
 }
 
 TEST(DynamicArm, TorqueAndWrenchOverlaysCancelAnExternalWrench) {
-  // each overlay cancels the external wrench, by a torque in joint impedance and by a wrench in Cartesian
-  // impedance
+  // each overlay must cancel the external wrench: in joint impedance by torques, in Cartesian impedance by a
+  // wrench
   const Wrench F{.f = {20.0, 10.0, -30.0}, .t = {0.5, -1.0, 2.0}};
   DynamicArm joint = Arm({}), cartesian = Arm({});
   ArmDrive torque = HoldStartIn(control::ControlMode::kJointImpedance),
@@ -150,7 +150,8 @@ TEST(DynamicArm, TorqueAndWrenchOverlaysCancelAnExternalWrench) {
   wrench.F_T_B = {.f = -F.f, .t = -F.t};
   for (int k = 0; k < 500; ++k) {
     torque.tau_Nm = -ToolJacobian(joint.q()).transpose() * Stacked(F);
-    joint.Step(torque, k < 4 ? Wrench{} : F);  // the overlay has the dead time, the external wrench has none
+    joint.Step(torque, k < 4 ? Wrench{} : F);  // the overlay acts after the dead time, but the external
+                                               // wrench acts at once, so it begins later
     cartesian.Step(wrench, k < 3 ? Wrench{} : F);
   }
   EXPECT_LT((cartesian.q() - Start()).cwiseAbs().maxCoeff(), 1e-9);
@@ -219,19 +220,19 @@ TEST(DynamicArm, AWrenchDeflectsTheMountingByItsCompliance) {
   const kinematics::SerialChain<7> chain(Iiwa(), kGravity);
   const Vector3 p_B = chain.FlangePose(arm.q()) * kTool_m;
   EXPECT_LT((2e5 * X.translation() - F.f).norm(), 1e-3 * F.f.norm());
-  // the joints' own deflection moves the arm's weight a little, which adds to the mount's load
+  // the deflection of the joints moves the arm's weight a little, which changes the load of the mount
   EXPECT_LT((5e4 * LogRotation(X.linear()) - (F.t + p_B.cross(F.f))).norm(),
             0.05 * (F.t + p_B.cross(F.f)).norm());
 }
 
-// An arm whose base floats in space, without gravity and almost without mounting stiffness. The drives push
-// for 50 ms.
+// Results for an arm whose base floats in space, without gravity and almost without stiffness of the mount.
+// The drives push for 50 ms.
 struct FreeFlight {
   double momentum{0.0};       ///< largest total momentum [kg m/s]
   double base_momentum{0.0};  ///< largest momentum of the base alone
-  double energy_change{0.0};  ///< after the push, relative
+  double energy_change{0.0};  ///< relative change of the energy after the push
 };
-// @param push  factor on the drives' torques
+// @param push  factor on the torques of the drives
 FreeFlight SimulateFreeFlight(double push) {
   constexpr double kStep_s = 2e-5, kMass_kg = 10.0, kInertia_kg_m2 = 0.5;
   const kinematics::ChainParams<7> params = Iiwa();
@@ -244,8 +245,8 @@ FreeFlight SimulateFreeFlight(double push) {
                       params, Vector3::Zero(), Start());
   JointVector q = Start(), qd = JointVector::Zero();
   FreeFlight flight;
-  // total kinetic energy; also updates the largest total momentum. The velocity of each body is the base's
-  // plus the joints' contribution
+  // returns the total kinetic energy, and updates the largest total momentum. The velocity of each body is
+  // the sum of the base's motion and the joints' motion
   const auto energy = [&] {
     const Vector3 U = mount.rate().head<3>(), W = mount.rate().tail<3>();
     double sum = 0.5 * (kMass_kg * U.squaredNorm() + kInertia_kg_m2 * W.squaredNorm());
@@ -281,9 +282,10 @@ FreeFlight SimulateFreeFlight(double push) {
   return flight;
 }
 
-// Torques between links never change the total momentum and, once they end, not the energy either. So both
-// directions of the coupling between arm and base are tested. The simulation neglects the Coriolis and
-// centrifugal loads of the rotating base; the error of the energy that this causes falls with the speed.
+// Torques between links must never change the total momentum, and the energy must stay constant after the
+// torques end. This tests both directions of the coupling between arm and base. The simulation neglects the
+// Coriolis and centrifugal loads due to the base's rotation. Their effect on the energy decreases with the
+// speed.
 TEST(DynamicArm, ArmAndBaseExchangeMomentumWithoutCreatingEnergy) {
   const FreeFlight fast = SimulateFreeFlight(0.5), slow = SimulateFreeFlight(0.03);
   EXPECT_GT(fast.base_momentum, 0.1) << "the base must move to prove anything";

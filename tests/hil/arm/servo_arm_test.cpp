@@ -14,15 +14,15 @@ namespace {
 
 using kinematics::JointVector;
 
-// The iiwa 14's limits, with velocities that no test reaches.
+// The limits of an iiwa 14, but with velocity limits that no test reaches.
 std::array<kinematics::JointLimits, 7> FastLimits() {
   auto limits = kinematics::Iiwa14().limits;
   for (auto& limit : limits) limit.velocity_rad_per_s = 1e9;
   return limits;
 }
 
-// Response q(t) of q'' = w^2 (1 - q) - 2 z w q' from rest to a step of 1, by the textbook's formulas for
-// critical, weak and strong damping.
+// Response q(t) of q'' = w^2 (1 - q) - 2 z w q' to a step of 1 from rest, with the angular frequency w and
+// the damping ratio z. The formulas are the textbook's for critical, weak and strong damping.
 double StepResponse(double w, double z, double t) {
   if (t <= 0.0) return 0.0;
   if (z == 1.0) return 1.0 - (1.0 + w * t) * std::exp(-w * t);
@@ -34,7 +34,8 @@ double StepResponse(double w, double z, double t) {
   return 1.0 - (p2 * std::exp(-p1 * t) - p1 * std::exp(-p2 * t)) / (p2 - p1);
 }
 
-// The servo integrates in closed form, without truncation error; 1e-12 leaves room for 500 roundings.
+// The servo is integrated in closed form, without a truncation error. The tolerance of 1e-12 allows for 500
+// roundings.
 TEST(ServoArm, FollowsTheAnalyticStepResponse) {
   for (const double z : {0.3, 1.0, 1.7}) {
     for (const double period_s : {0.001, 0.005}) {
@@ -63,7 +64,7 @@ TEST(ServoArm, WholePeriodsOfDeadTimeAreExact) {
   }
 }
 
-// With a dead time of fractions of a period, the response is the textbook's, later by exactly this time.
+// The dead time is a fraction of a period. The response must be the textbook's, delayed by exactly this time.
 TEST(ServoArm, FractionsOfAPeriodOfDeadTimeAreExact) {
   const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3;
   for (const double dead : {0.25, 3.0 + 1e-6, 3.2, 4.5, 31.75}) {
@@ -77,8 +78,8 @@ TEST(ServoArm, FractionsOfAPeriodOfDeadTimeAreExact) {
   }
 }
 
-// A servo follows a ramp with a lag of 2 z / w plus the dead time (3 periods) plus the mean delay of the
-// sample-and-hold, half a period.
+// A servo follows a ramp with a constant lag. The lag is 2 z / w (damping ratio z, angular frequency w) plus
+// the dead time of 3 periods plus half a period, the mean delay of the sample-and-hold.
 TEST(ServoArm, LagsBehindARampByTimeConstantAndDeadTime) {
   const double w = 2.0 * std::numbers::pi * 15.0, T = 1e-3, speed = 0.5;
   ServoArm arm({}, FastLimits(), T, JointVector::Zero());
@@ -87,7 +88,7 @@ TEST(ServoArm, LagsBehindARampByTimeConstantAndDeadTime) {
     command = speed * k * T;
     arm.Step(JointVector::Constant(command));
   }
-  // after the last step, time is one period past the last command
+  // after the last step, the time is one period later than the last command
   EXPECT_NEAR(command + speed * T - arm.q()[0], speed * (2.0 / w + 3 * T + 0.5 * T), 2e-6);
 }
 

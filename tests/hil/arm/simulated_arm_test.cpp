@@ -6,8 +6,8 @@
 #include "kinematics/lbr_arm.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// Properties that all levels of the simulated arm share (kinematic, servo, dynamic), and differences between
-// them.
+// Tests properties that all levels of the simulated arm have in common (kinematic, servo, dynamic), and
+// differences between the levels.
 
 namespace osteon::hil {
 namespace {
@@ -27,7 +27,7 @@ SimulatedArmParams Params(ArmLevel level) {
   return params;
 }
 
-// A command of this position.
+// An arm's command with this joint position.
 ArmDrive CommandPosition(const JointVector& q) {
   ArmDrive drive;
   drive.q_cmd = q;
@@ -44,8 +44,8 @@ TEST(SimulatedArm, EachLevelReachesItsGoalWithSpeedsThatMatchItsPositions) {
       const JointVector before = arm->q(), speed_before = arm->qd();
       arm->Step(CommandPosition(params.q_start + std::min(1.0, k / 300.0) * distance), {});
       sum += arm->q() - before;
-      // the distance over a cycle is the mean of the speeds at its ends, accurate to second order for a
-      // smooth motion
+      // the distance over a cycle is the mean of the speeds at both ends of the cycle times the period. For a
+      // smooth motion this is accurate to second order
       if (level != ArmLevel::kKinematic && k > 10) {
         EXPECT_LT((arm->q() - before - 0.5e-3 * (speed_before + arm->qd())).cwiseAbs().maxCoeff(), 1e-6);
       }
@@ -65,8 +65,8 @@ TEST(SimulatedArm, TheKinematicLevelIsExactlyAtItsCommand) {
   EXPECT_LT((arm->qd() - JointVector::Constant(0.5)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// The external torque is J^T F. The kinematic and the servo level compute it from the wrench, the dynamic
-// level from the torques that hold the arm.
+// The external torque must equal J^T F, with the Jacobian J and the external wrench F. The levels kinematic
+// and servo compute it from the wrench; the level dynamic computes it from the torques that hold the arm.
 TEST(SimulatedArm, EachLevelReportsTheSameExternalTorqueOnceAtRest) {
   const Wrench F{.f = {20.0, -10.0, 30.0}, .t = {1.0, 0.5, -2.0}};
   Eigen::Matrix<double, 6, 1> stacked;

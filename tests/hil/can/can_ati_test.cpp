@@ -7,8 +7,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/can/can_sensor_cell.h"
 
-// The simulated ATI force sensor: its CAN frames by the manual, and the client with the simulated sensor on a
-// virtual bus. Frames are in candump's notation, identifier#data.
+// Tests the simulated ATI force sensor: its CAN frames against the manual, and the client with the simulated
+// sensor on a virtual bus. Frames are written in candump's notation, identifier#data.
 
 namespace osteon::hil {
 namespace {
@@ -28,8 +28,7 @@ TEST(AtiDevice, AnswersWithTheManualsFrames) {
   device.Accept(At(0, "208#"));
   EXPECT_EQ(Sent(device, 0), Frames{"208#0203"});
   device.Accept(At(0, "202#00"));
-  // 660 N · 100 / 30000 = 2.2 on the diagonal of the matrix, the float 400CCCCD; the first other entry of the
-  // row is 0
+  // the diagonal element is 660 N · 100 / 30000 = 2.2, as float 400CCCCD; the next element of the row is 0
   const Frames row = Sent(device, 0);
   ASSERT_EQ(row.size(), 3u);
   EXPECT_EQ(row[0], "202#400CCCCD00000000");
@@ -58,8 +57,8 @@ TEST(Ati, TheClientReadsTheDevicesMatrix) {
 TEST(Ati, TheClientReadsTheLoadToWithinTheGaugesRounding) {
   Cell cell;
   cell.Start();
-  // half a count of each gauge, times the sum of a row of the matrix: 660 / 30000 · (1 + 5 · 0.04) / 2 N, and
-  // the same with 60 N·m
+  // the error is half a count of each gauge times the sum of a row of the matrix: 660 / 30000 · (1 + 5 ·
+  // 0.04) / 2 N for the force. For the torque 60 N·m replace the 660 N
   const double force = 660.0 / 30000 * 1.2 / 2, torque = 60.0 / 30000 * 1.2 / 2;
   cell.ExpectLoadsWithin({20, -10, 5}, force, torque);
 }
@@ -105,8 +104,8 @@ TEST(Ati, LostDuplicatedAndReorderedFramesNeverMixTwoReadings) {
     cell.Start();
     cell.bus.SetParams({.loss = 0.2, .duplicate = 0.1, .reorder = 0.1, .seed = seed});
     for (int i = 0; i < 5'000; ++i) {
-      // Fx comes mostly from the reading's first frame, Fy from its second: with frames of two readings, Fx
-      // and Fy would differ by whole newtons
+      // Fx and Fy have the same load. Fx depends mostly on the reading's first frame, Fy on its second. If
+      // the client joined frames of two readings, Fx and Fy would differ by whole newtons
       const double n = 5.0 * (i % 80);
       cell.device.SetLoad(Load(n, n, 0, 0, 0, 0));
       cell.Run(1);

@@ -11,8 +11,8 @@
 #include "tests/hil/can/virtual_can.h"
 #include "tests/io/can/can_frames.h"
 
-// The spindle drive's client with the simulated drive on a virtual CAN bus, and the simulated drive's
-// physics.
+// Tests the client of the spindle drive with the simulated drive on a virtual CAN bus, and the physics of the
+// simulated drive.
 
 namespace osteon::hil {
 namespace {
@@ -26,7 +26,7 @@ io::ReamerDriveParams Params() {
   return {.node = 16, .gear_ratio = 20.0, .rated_torque_Nm = 0.5, .max_speed_rad_per_s = 40.0};
 }
 
-// The client and the simulated drive on one bus, in steps of a millisecond.
+// The client and the simulated drive on one bus. Time advances in steps of a millisecond.
 struct DriveOnBus {
   explicit DriveOnBus(const io::ReamerDriveParams& params = Params(),
                       const DriveDeviceParams& device_params = {})
@@ -37,11 +37,11 @@ struct DriveOnBus {
   void Run(int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) bus.Step(now += kMs);
   }
-  // Runs until the client has configured the drive, or 5 s.
+  // Runs until the client has configured the drive, at most 5 s.
   void Start() {
     for (int i = 0; i < 5000 && drive.phase() == DrivePhase::kStarting; ++i) Run(1);
   }
-  // Commands a speed of the tool [rad/s] for a second.
+  // Commands a speed of the tool [rad/s] and runs for a second.
   void TurnForASecond(double speed) {
     drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = speed});
     Run(1000);
@@ -54,8 +54,8 @@ struct DriveOnBus {
   rt::Nanoseconds now{0};
 };
 
-// Resolution of the drive's messages, at the tool: one rpm of the motor [rad/s] and one per mille of its
-// torque [N·m].
+// Resolution of the drive's messages, converted to the tool: one rpm of the motor [rad/s]; below, one per
+// mille of the motor's torque [N·m].
 constexpr double kSpeedStep = 2 * std::numbers::pi / 60 / 20;
 constexpr double kTorqueStep = 0.001 * 0.5 * 20;
 
@@ -106,10 +106,11 @@ TEST(Drive, AcceleratesAtTheConfiguredRate) {
   cell.Start();
   cell.TurnForASecond(0.0);
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 30});
-  cell.Run(4);  // one cycle
+  cell.Run(4);  // 4 ms, one cycle of the drive's messages
   const double start = cell.device.tool_speed_rad_per_s();
   cell.Run(100);
-  // 100 rad/s² for 0.1 s, less the lag of the drive's speed loop (20 Hz), at most 2/w of the ramp
+  // expected are 100 rad/s² for 0.1 s. The tolerance is the lag of the drive's speed loop behind the ramp, at
+  // most 2/w with the angular frequency w of 20 Hz
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s() - start, 10.0, 100.0 * 2 / (2 * std::numbers::pi * 20));
 }
 
@@ -127,7 +128,7 @@ TEST(Drive, QuickStopBrakesAlongItsRampAndStays) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.status().state, DriveState::kQuickStop);
   EXPECT_EQ(cell.status().statusword, 0x0617) << "the stop is finished";
-  // the drive is enabled again only by way of the state off
+  // the drive must first pass through the state off before it can be enabled again
   cell.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 20});
   cell.Run(4);
   EXPECT_NE(cell.status().state, DriveState::kEnabled);
@@ -140,7 +141,7 @@ TEST(Drive, AStalledToolCausesAFaultAndTheTorqueLimitIsReported) {
   DriveOnBus cell;
   cell.Start();
   cell.TurnForASecond(26.0);
-  cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, whose limit is 1.5
+  cell.device.SetCuttingTorque(40.0);  // 2 N·m at the motor, above its limit of 1.5 N·m
   cell.Run(150);
   EXPECT_NEAR(cell.status().torque_Nm, 3.0 * 0.5 * 20, kTorqueStep) << "while it tries";
   cell.Run(400);
@@ -148,7 +149,7 @@ TEST(Drive, AStalledToolCausesAFaultAndTheTorqueLimitIsReported) {
   EXPECT_EQ(cell.status().error_code, 0x7121);
   EXPECT_EQ(cell.status().state, DriveState::kFault);
   EXPECT_EQ(cell.status().faults, io::kDriveEmergency | io::kDriveInFault);
-  // With the torque removed and the fault reset, it waits for a command.
+  // With the torque removed and the fault reset, the drive must wait for a new command.
   cell.device.SetCuttingTorque(0.0);
   cell.drive.Command({.goal = DriveGoal::kOff});
   cell.Run(10);
@@ -184,7 +185,7 @@ TEST(Drive, StopsWhenTheControllerFallsSilent) {
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);
   EXPECT_EQ(cell.device.statusword() & 0x4F, 0x08);
   EXPECT_NE(cell.status().faults & (io::kDriveHeartbeatLost | io::kDriveStatusLost), 0u) << "and we know";
-  // After reconnection, nothing turns by itself.
+  // After the drive is connected again, it must not turn by itself.
   cell.bus.Connect(cell.drive, true);
   cell.Run(1000);
   EXPECT_NEAR(cell.device.tool_speed_rad_per_s(), 0.0, 0.05);

@@ -6,8 +6,8 @@
 #include "hil/can/drive_device.h"
 #include "tests/io/can/can_frames.h"
 
-// The simulated spindle drive alone: its CAN frames and states as CiA 301 and 402 specify. The tests with the
-// drive's client are in can_drive_client_test.cpp.
+// Tests the simulated spindle drive alone: its CAN frames and states against CiA 301 and CiA 402. The tests
+// with the drive's client are in can_drive_client_test.cpp.
 
 namespace osteon::hil {
 namespace {
@@ -17,8 +17,8 @@ using io::test::Frames;
 using io::test::kMs;
 using io::test::Sent;
 
-// The simulated drive, which answers frames in candump's notation: 610#4041600000000000 is an SDO request to
-// node 16 (0x10) that reads (40) object 6041, sub-index 00; 590#… is the answer.
+// The simulated drive on a bus. Frames are in candump's notation: 610#4041600000000000 is an SDO request to
+// node 16 (0x10) to read (40) the object 6041, sub-index 00. Its answer is 590#…
 struct Bench {
   Bench() {
     Sent(device, 0);
@@ -29,7 +29,7 @@ struct Bench {
     device.Accept(At(now, frame));
     return Sent(device, now);
   }
-  /// Statusword, read by SDO: low and high byte in hexadecimal.
+  /// The statusword, read by SDO: first its low byte, then its high byte, in hexadecimal.
   std::string State() {
     const Frames answer = Exchange("610#4041600000000000");
     return answer.empty() ? "" : answer.front().substr(12, 4);
@@ -55,7 +55,7 @@ TEST(DriveDevice, AnswersSdosAsCia301Specifies) {
   EXPECT_EQ(bench.Exchange("611#4000100000000000"), Frames{}) << "another node's";
 }
 
-// CiA 301 requires the objects 1000, 1001 and 1018 in every device, and CANopen masters read them.
+// CiA 301 requires the objects 1000, 1001 and 1018 in every device. CANopen masters read them.
 TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
   Bench bench;
   EXPECT_EQ(bench.Exchange("610#4001100000000000"), Frames{"590#4F01100000000000"}) << "no error";
@@ -68,7 +68,7 @@ TEST(DriveDevice, HasTheObjectsThatEveryDeviceHas) {
   EXPECT_EQ(bench.Exchange("610#4018100500000000"), Frames{"590#8018100511000906"}) << "no such sub-index";
   EXPECT_EQ(bench.Exchange("610#2F01100000000000"), Frames{"590#8001100002000106"}) << "read only";
   bench.device.InjectFault(0x4310);
-  static_cast<void>(Sent(bench.device, bench.now));  // its EMCY
+  static_cast<void>(Sent(bench.device, bench.now));  // removes the emergency message (EMCY)
   EXPECT_EQ(bench.Exchange("610#4001100000000000"), Frames{"590#4F01100001000000"}) << "the generic error";
 }
 
@@ -88,24 +88,26 @@ TEST(DriveDevice, ChangesAPdosMappingOnlyWhileThePdoIsOff) {
   EXPECT_EQ(bench.Exchange("610#2F00160000000000"), Frames{"590#8000160022000008"}) << "operational";
 }
 
-// Each controlword in each state, sent by SDO, leads to the state that CiA 402's state machine gives.
+// Sends each controlword in each state, by SDO. The drive must go to the state that the state machine of CiA
+// 402 defines.
 TEST(DriveDevice, EveryCommandInEveryStateLeadsToTheStateOfCia402) {
-  // controlwords that lead from disabled through the states of the rows
+  // controlwords that lead from the state disabled to the states of the rows
   const std::string path[]{"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
                            "610#2B40600002000000"};
   struct Row {
     const char* name;
-    int steps;             // number of controlwords of the path that lead to this state
-    const char* after[6];  // statusword after the controlword 00, 06, 07, 0F, 02, 80
+    int steps;             // number of controlwords of `path` that lead to this state
+    const char* after[6];  // statusword after each of the controlwords 00, 06, 07, 0F, 02, 80
   };
-  // Statuswords as they stand in the frame: low byte, high byte.
+  // Statuswords as in the frame: low byte, then high byte.
   const char *disabled = "5002", *ready = "3102", *on = "3302", *enabled = "3702", *stop = "1702";
   const Row rows[]{
       {"disabled", 0, {disabled, ready, disabled, disabled, disabled, disabled}},
       {"ready", 1, {disabled, ready, on, on, disabled, disabled}},
       {"switched on", 2, {disabled, ready, on, enabled, disabled, disabled}},
       {"enabled", 3, {disabled, ready, on, enabled, stop, disabled}},
-      // option 2, the initial one: only the end of the stop or switching off leads out
+      // the initial quick stop option is 2: only the end of the stop or a command to switch off leaves the
+      // state
       {"quick stop", 4, {disabled, stop, stop, stop, stop, disabled}},
   };
   const char* commands[]{"00", "06", "07", "0F", "02", "80"};
@@ -120,11 +122,11 @@ TEST(DriveDevice, EveryCommandInEveryStateLeadsToTheStateOfCia402) {
   }
 }
 
-// The simulated drive, turning at 1000 rpm of the motor without friction.
+// The simulated drive without friction. Its motor turns at 1000 rpm.
 struct TurningBench : Bench {
   TurningBench() {
     for (const char* frame : {"610#2B40600006000000", "610#2B40600007000000", "610#2B4060000F000000",
-                              "610#23FF6000E8030000"})  // 60FF: 1000
+                              "610#23FF6000E8030000"})  // target velocity (object 60FF): 1000 rpm
       Exchange(frame);
     Run(500);
   }
@@ -134,16 +136,18 @@ struct TurningBench : Bench {
   [[nodiscard]] double rpm() const { return device.motor().speed_rad_per_s() * 60 / (2 * std::numbers::pi); }
 };
 
-// CiA 402-2: the quick stop option code (605A) determines how the drive stops, and which state follows.
+// CiA 402-2: the quick stop option code (605A) determines how the drive stops, and which state follows the
+// stop.
 TEST(DriveDevice, AQuickStopFollowsItsOptionCode) {
   struct Row {
     int option;
-    const char *during, *after;  // low and high byte of the statusword, 20 ms and 1 s later
-    double ramp_rpm_per_s;       // 0: it coasts
+    const char *during, *after;  // statusword (low byte, high byte) after 20 ms and after 1 s
+    double ramp_rpm_per_s;       // 0: the motor coasts
   };
   const Row rows[]{
-      {0, "5002", "5002", 0},     {1, "1702", "5002", 2000},
-      {2, "1702", "5002", 20000}, {5, "1702", "1706", 2000},  // stays, with bit 10: the stop is finished
+      {0, "5002", "5002", 0},     {1, "1702", "5002", 2000}, {2, "1702", "5002", 20000},
+      {5, "1702", "1706", 2000},  // with options 5 and 6 the drive stays in quick stop; bit 10 then reports
+                                  // that the stop is finished
       {6, "1702", "1706", 20000},
   };
   for (const Row& row : rows) {
@@ -156,12 +160,13 @@ TEST(DriveDevice, AQuickStopFollowsItsOptionCode) {
     bench.Exchange("610#2B40600002000000");
     bench.Run(20);
     EXPECT_EQ(bench.State(), row.during);
-    // the velocity loop (20 Hz) lags behind the ramp by up to 2/w = 16 ms
+    // the velocity loop (20 Hz, angular frequency w) lags behind the ramp by up to 2/w = 16 ms
     EXPECT_NEAR(bench.rpm(), 1000 - 0.020 * row.ramp_rpm_per_s, 0.016 * row.ramp_rpm_per_s + 0.1);
     bench.Run(1000);
     EXPECT_EQ(bench.State(), row.after);
     EXPECT_NEAR(bench.rpm(), row.ramp_rpm_per_s == 0 ? 1000 : 0, 1.0);
-    // after a stop that stays (options 5 and 6), the command "enable operation" turns the motor again
+    // with options 5 and 6 the drive stays in quick stop. Then the command "enable operation" makes the motor
+    // turn again
     bench.Exchange("610#2B4060000F000000");
     EXPECT_EQ(bench.State().substr(0, 2), row.option >= 5 ? "37" : "50");
   }
@@ -176,14 +181,14 @@ TEST(DriveDevice, RefusesUnknownOptionCodes) {
   EXPECT_EQ(bench.Exchange("610#405A600000000000"), Frames{"590#4B5A600002000000"}) << "as before";
 }
 
-// Fault reaction option code 605E: with 0 the motor coasts, with 1 and 2 it brakes along the ramps 6084 and
-// 6085.
+// The fault reaction option code (605E) determines how the motor stops after a fault. With 0 it coasts; with
+// 1 and 2 it brakes along the ramps 6084 and 6085.
 TEST(DriveDevice, AFaultStopsTheMotorByItsOptionCode) {
   for (const int option : {0, 1, 2}) {
     SCOPED_TRACE(option);
     TurningBench bench;
-    bench.Exchange("610#23846000D0070000");  // 2000 rpm/s
-    bench.Exchange("610#23856000204E0000");  // 20000 rpm/s
+    bench.Exchange("610#23846000D0070000");  // ramp 6084: 2000 rpm/s
+    bench.Exchange("610#23856000204E0000");  // ramp 6085: 20000 rpm/s
     bench.Exchange("610#2B5E60000" + std::to_string(option) + "000000");
     bench.device.InjectFault(0x4310);
     bench.Run(200);
@@ -194,16 +199,17 @@ TEST(DriveDevice, AFaultStopsTheMotorByItsOptionCode) {
   }
 }
 
-// In profile velocity mode, bit 10 of the statusword is set once the velocity has been within the window
-// (606D) for the window's time (606E).
+// In profile velocity mode, the statusword's bit 10 (target reached) is set once the velocity has been within
+// the window (606D) for the window's time (606E).
 TEST(DriveDevice, TargetReachedNeedsTheVelocityInItsWindowForItsTime) {
   TurningBench bench;
   EXPECT_EQ(bench.State(), "3706") << "in the window";
-  bench.Exchange("610#2B6D600014000000");  // 20 rpm
-  bench.Exchange("610#2B6E600064000000");  // 100 ms
-  bench.Exchange("610#23FF6000D0070000");  // 2000 rpm
+  bench.Exchange("610#2B6D600014000000");  // window 606D: 20 rpm
+  bench.Exchange("610#2B6E600064000000");  // window's time 606E: 100 ms
+  bench.Exchange("610#23FF6000D0070000");  // target velocity 60FF: 2000 rpm
   EXPECT_EQ(bench.State(), "3702") << "a new target is not reached";
-  int inside_ms = 0;  // it overshoots: in, out, and in again
+  int inside_ms =
+      0;  // counts the time within the window; the velocity overshoots, so it enters, leaves and enters again
   for (int i = 0; i < 1000; ++i) {
     bench.Run(1);
     inside_ms = std::abs(bench.rpm() - 2000) <= 20 ? inside_ms + 1 : 0;
@@ -211,9 +217,9 @@ TEST(DriveDevice, TargetReachedNeedsTheVelocityInItsWindowForItsTime) {
     EXPECT_EQ(bench.State(), inside_ms > 101 ? "3706" : "3702") << "in the window for " << inside_ms << " ms";
   }
   EXPECT_GT(inside_ms, 101);
-  bench.Exchange("610#23FF6000DA070000");  // 2010 rpm
+  bench.Exchange("610#23FF6000DA070000");  // target velocity: 2010 rpm
   EXPECT_EQ(bench.State(), "3706") << "still in the window";
-  bench.device.SetCuttingTorque(28.0);  // 1.4 of 1.5 N·m at the motor: the speed falls
+  bench.device.SetCuttingTorque(28.0);  // 1.4 N·m at the motor, near its limit of 1.5 N·m: the speed falls
   bench.Run(10);
   EXPECT_EQ(bench.State(), "3702") << "braked by the cut";
   bench.Run(500);

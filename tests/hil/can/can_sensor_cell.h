@@ -8,11 +8,11 @@
 #include "tests/hil/can/virtual_can.h"
 #include "tests/io/can/can_frames.h"
 
-// A force sensor's client and the simulated sensor together, for the tests of each make.
+// A force sensor's client together with the simulated sensor. Each make of sensor uses this in its tests.
 
 namespace osteon::hil {
 
-/// Force [N] and torque [N·m].
+/// A load as wrench: force [N] and torque [N·m].
 inline Wrench Load(double fx, double fy, double fz, double tx, double ty, double tz) {
   return {.f = {fx, fy, fz}, .t = {tx, ty, tz}};
 }
@@ -29,15 +29,15 @@ struct SensorCell {
   void Run(int milliseconds) {
     for (int i = 0; i < milliseconds; ++i) bus.Step(now += io::test::kMs);
   }
-  /// Runs until the client has started the sensor or given up, or 2 s.
+  /// Runs until the client has started the sensor or has given up, at most 2 s.
   void Start() {
     for (int i = 0; i < 2000 && sensor.phase() == io::SensorPhase::kStarting; ++i) Run(1);
   }
   /// The client's latest reading.
   [[nodiscard]] Wrench F() const { return sensor.Latest().F_S; }
 
-  /// Expects that changing loads in all axes, up to 300 N and `torque_Nm`, are read within these errors and
-  /// one period.
+  /// Changes the loads in all axes, up to 300 N and `torque_Nm`. Expects that the client reads them within
+  /// these errors, delayed by one period at most.
   void ExpectLoadsWithin(const Vector3& torque_Nm, double force_error_N, double torque_error_Nm) {
     for (int i = 0; i < 200; ++i) {
       const double a = 0.1 * i;

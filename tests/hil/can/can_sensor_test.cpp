@@ -7,8 +7,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/can/can_sensor_cell.h"
 
-// The simulated Robotous force sensor: its CAN frames by the manual, and the client with the simulated sensor
-// on a virtual bus. Frames are in candump's notation, identifier#data.
+// Tests the simulated Robotous force sensor: its CAN frames against the manual, and the client with the
+// simulated sensor on a virtual bus. Frames are written in candump's notation, identifier#data.
 
 namespace osteon::hil {
 namespace {
@@ -47,7 +47,8 @@ TEST(RobotousDevice, SaturatesAtItsRangeAndReportsTheOverload) {
   device.SetLoad(Load(0, 0, -900, 0, 20, 0));
   device.Accept(At(0, "064#0A00000000000000"));
   EXPECT_EQ(Sent(device, 0),
-            (Frames{"001#0A000000009E5800", "002#0075300000140000"}));  // -25000, 30000; z, ty
+            (Frames{"001#0A000000009E5800",
+                    "002#0075300000140000"}));  // saturated counts: force z -25000, torque y 30000
   device.Accept(At(0, "064#1200000000000000"));
   EXPECT_EQ(Sent(device, 0), (Frames{"001#1200000100010000", "002#0000000000000000"}));
 }
@@ -93,7 +94,7 @@ TEST(Robotous, DriftAndNoiseAreAsConfigured) {
     squares += noisy.F().f.y() * noisy.F().f.y();
     torque_squares += noisy.F().t.z() * noisy.F().t.z();
   }
-  // the tolerances are five standard errors of mean and RMS, and the rounding to counts
+  // the tolerances are five standard errors of the mean and of the RMS, plus the rounding to counts
   EXPECT_NEAR(sum / kReadings, 0.0, 5 * 0.5 / std::sqrt(kReadings));
   EXPECT_NEAR(std::sqrt(squares / kReadings), 0.5, 5 * 0.5 / std::sqrt(2.0 * kReadings) + 0.01);
   EXPECT_NEAR(std::sqrt(torque_squares / kReadings), 0.02, 5 * 0.02 / std::sqrt(2.0 * kReadings) + 0.0005);
@@ -171,13 +172,13 @@ TEST(Robotous, StartsASensorThatIsAlreadySending) {
   Cell cell;
   cell.Start();
   cell.Run(10);
-  cell.sensor = *io::RobotousSensor::Make({});  // the controller restarts
+  cell.sensor = *io::RobotousSensor::Make({});  // a new client, as after a restart of the controller
   cell.Start();
   EXPECT_EQ(cell.sensor.phase(), SensorPhase::kReady) << cell.sensor.failure();
 }
 
-// Fx is in a reading's first frame and Ty in its second. Both loads follow one counter, so frames of two
-// readings would give different counts.
+// Fx is in a reading's first frame, Ty in its second. Both loads follow the same counter. If the client
+// joined frames of two readings, Fx and Ty would give different counts.
 TEST(Robotous, LostDuplicatedAndReorderedFramesNeverMixTwoReadings) {
   for (const std::uint32_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
@@ -192,7 +193,8 @@ TEST(Robotous, LostDuplicatedAndReorderedFramesNeverMixTwoReadings) {
       ASSERT_EQ(std::lround(cell.F().f.x() * 50), std::lround(cell.F().t.y() * 2000)) << i;
     }
     const auto after = cell.sensor.counters();
-    // both frames of a reading arrive in 0.8² of the cases; fewer, as some change places
+    // both frames of a reading arrive in 0.8² of the cases. Fewer readings are complete, because some frames
+    // change places
     EXPECT_GT(after.readings - before.readings, 10'000u);
     EXPECT_LT(after.readings - before.readings, 14'000u);
     EXPECT_GT(after.halves - before.halves, 3'000u);

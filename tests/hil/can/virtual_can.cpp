@@ -5,9 +5,9 @@
 namespace osteon::hil {
 namespace {
 
-constexpr int kMaxRounds = 8;  // rounds of replies in one step
-constexpr int kMaxFrames =
-    256;  // frames of a node in one round, so that a node that never stops does not hang the test
+constexpr int kMaxRounds = 8;    // largest number of rounds of replies in one step
+constexpr int kMaxFrames = 256;  // largest number of frames of a node in one round, so that a node that sends
+                                 // without end does not hang the test
 
 }  // namespace
 

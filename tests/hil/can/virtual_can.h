@@ -8,24 +8,25 @@
 
 namespace osteon::hil {
 
-/// Probability of each fault of a frame on the bus, 0 … 1; none by default.
+/// Probability of each fault of a frame on the bus, 0 … 1; all are 0 by default.
 struct VirtualCanParams {
-  double loss{0.0};       ///< never arrives
-  double duplicate{0.0};  ///< arrives twice
-  double reorder{0.0};    ///< changes places with the next frame of its step
-  double corrupt{0.0};    ///< one byte or the size changes
+  double loss{0.0};       ///< the frame never arrives
+  double duplicate{0.0};  ///< the frame arrives twice
+  double reorder{0.0};    ///< the frame changes places with the next frame of its step
+  double corrupt{0.0};    ///< one byte or the size of the frame changes
   std::uint32_t seed{1};
-  rt::Nanoseconds frame_time{130'000};  ///< of a frame with 8 bytes at 1 Mbit/s, with some stuffing
+  rt::Nanoseconds frame_time{
+      130'000};  ///< duration of a frame with 8 bytes at 1 Mbit/s, with some bit stuffing
 };
 
-/// A CAN bus in virtual time: clients and simulated devices share one wire, and frames are passed in memory.
-/// In each step every node receives what the others send at `now`, one frame after the other; replies follow
-/// in the same step until none is left. Equal calls give equal results.
+/// A CAN bus in virtual time. Clients and simulated devices share one wire; their frames are passed in
+/// memory. In each step, every node receives the frames that the others send at `now`, one after the other.
+/// Replies follow in the same step until no node replies. Equal calls give equal results.
 class VirtualCan {
  public:
   explicit VirtualCan(const VirtualCanParams& params = {}) : params_(params), random_(params.seed) {}
 
-  /// The node must outlive the bus.
+  /// Adds a node, which must outlive the bus.
   void Add(io::CanClient& node) { nodes_.push_back({&node, true}); }
 
   /// Disconnects a node, or connects it again.
@@ -38,7 +39,7 @@ class VirtualCan {
 
   /// Number of frames that have arrived so far.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Time that the wire was busy in the last step.
+  /// Time for which the wire was busy in the last step.
   [[nodiscard]] rt::Nanoseconds busy() const { return busy_; }
 
  private:
@@ -50,9 +51,9 @@ class VirtualCan {
     io::CanFrame frame;
     const io::CanClient* from;
   };
-  /// Draws whether an event of this probability happens.
+  /// Draws at random whether an event of this probability happens.
   [[nodiscard]] bool DrawEvent(double share);
-  /// Applies loss, corruption, duplication and reordering to a round's frames.
+  /// Applies loss, corruption, duplication and reordering to the frames of one round.
   void Damage(std::vector<OnTheWire>& wire);
 
   VirtualCanParams params_;

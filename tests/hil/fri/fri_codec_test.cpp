@@ -9,8 +9,8 @@
 #include "tests/hil/test_client.h"
 #include "tests/io/fri/fri_golden.h"
 
-// The simulated arm's encoding of monitoring messages and decoding of commands, in each version of FRI.
-// Fields are named by their path of protobuf numbers: {5, 10} is field 10 in field 5.
+// Tests how the simulated arm encodes monitoring messages and decodes commands, in each version of FRI. A
+// field is named by its path of protobuf numbers: {5, 10} is field 10 within field 5.
 
 namespace osteon::hil {
 namespace {
@@ -36,8 +36,8 @@ FriMonitoring Example() {
 
 std::vector<double> Vector(const control::JointArray& a) { return {a.begin(), a.end()}; }
 
-// Real arms with version 1.15 send 401 bytes, and 466 in the commanding states, which add the interpolator's
-// position.
+// Real arms with version 1.15 send 401 bytes. In the commanding states they send 466 bytes, because the
+// interpolator's position is added.
 TEST(FriCodec, AMonitoringMessageHasTheSizeSeenOnRealArms) {
   FriCodec codec;
   FriMonitoring m = Example();
@@ -56,7 +56,7 @@ TEST(FriCodec, WritesEveryFieldUnderItsNumber) {
   EXPECT_EQ(UintAt(bytes, {1, 3}), 8u);
   EXPECT_EQ(UintAt(bytes, {2, 1}), 7u);
   EXPECT_EQ(UintAt(bytes, {2, 2}), 0u);
-  ASSERT_EQ(At(bytes, {2, 5}).size(), 7u);  // unpacked: one tag for each drive
+  ASSERT_EQ(At(bytes, {2, 5}).size(), 7u);  // the values are not packed: each drive has a tag of its own
   for (const Field& drive : At(bytes, {2, 5})) EXPECT_EQ(drive.value, 2u);
   EXPECT_EQ(UintAt(bytes, {2, 6}), 2u);
   EXPECT_EQ(UintAt(bytes, {2, 7}), 0u);
@@ -86,12 +86,14 @@ TEST(FriCodec, WritesTheInterpolatorsPositionOnlyInCommandingStates) {
   EXPECT_TRUE(At(codec.Encode(m), {5, 1}).empty());
 }
 
-// The bytes of a published command with counter 8: header, then seven joints, 77 bytes in all.
+// The bytes of a published command with counter 8: the header, then seven joints, 77 bytes in all.
 TEST(FriCodec, ReadsThePublishedCommand) {
   Bytes bytes{0x0a, 0x08, 0x08, 0x81, 0x80, 0x0d, 0x10, 0x08, 0x18, 0x08, 0x12, 0x41, 0x0a, 0x3f};
   for (int i = 0; i < 7; ++i) PutDouble(bytes, 1, 0.25 * i);
   ASSERT_EQ(bytes.size(), 77u);
-  EXPECT_EQ(bytes, Command(8, 8, {0, .25, .5, .75, 1, 1.25, 1.5}));  // the test client writes the same
+  EXPECT_EQ(bytes, Command(8, 8,
+                           {0, .25, .5, .75, 1, 1.25,
+                            1.5}));  // the test client encodes the same command to the same bytes
   const auto command = FriCodec().Decode(bytes);
   ASSERT_TRUE(command);
   EXPECT_EQ(command->sequence, 8u);
@@ -103,7 +105,7 @@ TEST(FriCodec, ReadsThePublishedCommand) {
 
 namespace golden = io::test::golden;
 
-// Commands recorded as bytes, without and (2.7) with a frame.
+// Commands recorded as bytes: without a frame, and for 2.7 with a frame.
 TEST(FriCodec, ReadsCommandsOfEveryVersion) {
   for (const io::FriVersion version : io::kFriVersions) {
     SCOPED_TRACE(Name(version));
@@ -122,7 +124,7 @@ TEST(FriCodec, ReadsCommandsOfEveryVersion) {
     EXPECT_EQ(command->wrench_count, 6);
     EXPECT_EQ(command->wire_wrench, (std::array<double, 6>{1, 2, 3, 4, 5, 6}));
     EXPECT_FALSE(command->has_torque);
-    // a command of the version with the opposite framing is refused and recognised as such
+    // if the framing is that of another version, the codec must refuse the command and recognise the reason
     const Bytes other = golden::FromHex(framed ? golden::kPositionWrench : golden::kPositionWrenchFramed);
     EXPECT_FALSE(codec.Decode(other));
     EXPECT_TRUE(codec.IsOfOtherVersion(other));
@@ -175,10 +177,10 @@ TEST(FriCodec, RefusesBytesThatAreNoCommand) {
   ASSERT_TRUE(codec.Decode(good));
   EXPECT_FALSE(codec.Decode({}));
   EXPECT_FALSE(codec.Decode(Command(8, 8, q, 0x245142)));                             // a monitoring message
-  EXPECT_FALSE(codec.Decode(Bytes(good.begin() + 10, good.end())));                   // no header
+  EXPECT_FALSE(codec.Decode(Bytes(good.begin() + 10, good.end())));                   // the header is missing
   EXPECT_FALSE(codec.Decode(Bytes{0x0a, 0x06, 0x08, 0x81, 0x80, 0x0d, 0x10, 0x08}));  // no reflected counter
   EXPECT_FALSE(codec.Decode(Bytes(1501, 0)));
-  Bytes framed{77, 0, 0, 0};  // 2.7 puts a length before the message
+  Bytes framed{77, 0, 0, 0};  // in 2.7 a length precedes the message
   framed.insert(framed.end(), good.begin(), good.end());
   EXPECT_FALSE(codec.Decode(framed));
   for (std::size_t n = 1; n < good.size(); ++n) {
@@ -206,7 +208,7 @@ TEST(FriCodec, RefusesRandomBytesWithoutLastingEffect) {
   }
   EXPECT_GT(accepted, 100) << "where a changed byte lies in a number, it is a message";
   EXPECT_LT(accepted, 10'000) << "noise is none";
-  ASSERT_TRUE(codec.Decode(good));  // no state of the refused messages remains
+  ASSERT_TRUE(codec.Decode(good));  // the refused messages must leave no state in the codec
   EXPECT_EQ(codec.Decode(good)->joint_count, 7);
 }
 

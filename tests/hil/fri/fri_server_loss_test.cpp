@@ -2,7 +2,7 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// FRI server: which of the client's answers count, and what happens after missing ones.
+// Tests the FRI server: which answers of the client count, and what happens if answers are missing.
 
 namespace osteon::hil {
 namespace {
@@ -23,8 +23,9 @@ TEST(FriServer, EndsCommandingAtTheFifthLostAnswerInARow) {
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringWait);
   EXPECT_EQ(s.server.stop().reason, StopReason::kLostInARow);
   EXPECT_EQ(s.server.stop().found, 5.0);
-  EXPECT_TRUE(s.server.q_commanded().isApprox(JointVector::Constant(0.5005), 1e-15));  // holds
-  // the robot's program does not request commanding again
+  EXPECT_TRUE(
+      s.server.q_commanded().isApprox(JointVector::Constant(0.5005), 1e-15));  // the arm holds its position
+  // with these parameters the robot's program does not request commanding again
   for (int i = 0; i < 2000; ++i) s.Cycle();
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
 }
@@ -35,21 +36,21 @@ TEST(FriServer, EndsCommandingAtTwentyFiveLostAnswersASecond) {
     ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
     for (int i = 0; i < losses; ++i) {
       s.Cycle(false);
-      for (int k = 0; k < 30; ++k) s.Cycle();  // spread over 775 ms
+      for (int k = 0; k < 30; ++k) s.Cycle();  // distributes the losses over 775 ms
     }
     EXPECT_EQ(s.server.state() == SessionState::kCommandingActive, losses == 24);
     EXPECT_EQ(s.server.stop().reason, losses == 24 ? StopReason::kNone : StopReason::kLostPerSecond);
   }
 }
 
-// Twenty losses a second may go on for any time, because each is forgotten after a second.
+// Twenty losses per second may continue for any time, because each loss is forgotten after a second.
 TEST(FriServer, LossesOfMoreThanASecondAgoAreForgotten) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   for (int i = 0; i < 5000; ++i) s.Cycle(i % 50 != 0);
   EXPECT_EQ(s.server.state(), SessionState::kCommandingActive);
   EXPECT_EQ(s.server.counters().lost, 100u);
-  EXPECT_EQ(s.server.quality(), 1);  // FAIR
+  EXPECT_EQ(s.server.quality(), 1);  // quality FAIR
   for (int i = 0; i < 1000; ++i) s.Cycle();
   EXPECT_EQ(s.server.quality(), 3);
 }
@@ -73,7 +74,7 @@ TEST(FriServer, ALateArmCountsNoLossesOfTheClient) {
 
 TEST(FriServer, ClosesTheSessionIfQualityIsNotGoodWithinTenSeconds) {
   Session s;
-  for (int i = 0; i < 9999; ++i) s.Cycle(i % 30 == 0);  // too few to be GOOD
+  for (int i = 0; i < 9999; ++i) s.Cycle(i % 30 == 0);  // too few answers for the quality GOOD
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringWait);
   s.Cycle(false);
   EXPECT_EQ(s.server.state(), SessionState::kIdle);
@@ -97,7 +98,7 @@ TEST(FriServer, LateAndSecondAnswersDoNotCount) {
   s.Cycle(answer);
   EXPECT_EQ(s.server.counters().duplicate, 1u);
   EXPECT_EQ(s.server.counters().lost, 2u);
-  // an answer to a message that was never sent
+  // an answer to a message that the server has never sent
   s.Cycle(Command(1, static_cast<std::uint32_t>(UintAt(s.message, {1, 2})) + 1, Start()));
   EXPECT_EQ(s.server.counters().malformed, 1u);
 }

@@ -4,8 +4,8 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// FRI server: command modes, which control modes they need, and the wrench or torque that each answer must
-// have.
+// Tests the FRI server: its command modes, the control modes that they need, and the wrench or torque that
+// each answer must contain.
 
 namespace osteon::hil {
 namespace {
@@ -43,8 +43,8 @@ TEST(FriServer, CommandModesNeedTheirControlMode) {
             "control mode: POSITION control, the program's command mode needs CARTESIAN_IMPEDANCE control");
 }
 
-// COMMANDING_WAIT checks only that the wrench or torque is present, COMMANDING_ACTIVE checks its values as
-// well.
+// In COMMANDING_WAIT the server only checks whether the wrench or torque is present. In COMMANDING_ACTIVE it
+// also checks the values.
 TEST(FriServer, EveryAnswerNeedsItsWrenchOrTorque) {
   for (const bool torque : {false, true}) {
     const FriServerParams params{
@@ -52,7 +52,7 @@ TEST(FriServer, EveryAnswerNeedsItsWrenchOrTorque) {
         .command_mode = torque ? CommandMode::kTorque : CommandMode::kWrench};
     Session without_overlay(params);
     ASSERT_TRUE(without_overlay.WalkTo(SessionState::kCommandingWait));
-    for (int i = 0; i < 5; ++i) without_overlay.Cycle();  // only the position
+    for (int i = 0; i < 5; ++i) without_overlay.Cycle();  // the answers contain only the position
     EXPECT_EQ(without_overlay.server.counters().incomplete, 5u);
     EXPECT_EQ(without_overlay.server.stop().reason, StopReason::kLostInARow);
 

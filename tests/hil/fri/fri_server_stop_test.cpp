@@ -4,7 +4,7 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// FRI server: commands that stop the arm, emergency stops, and their acknowledgement.
+// Tests the FRI server: commands that stop the arm, emergency stops, and the acknowledgement of a stop.
 
 namespace osteon::hil {
 namespace {
@@ -13,8 +13,8 @@ using control::ControlMode;
 using control::SessionState;
 using kinematics::JointVector;
 
-// Sends one illegal command, and expects that the arm stops for this reason, names the joint, and stays where
-// it was.
+// Sends one illegal command. Expects that the arm stops for this reason, that the stop names the joint and
+// its description contains `text`, and that the arm stays where it was.
 void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, const std::string& text,
                 SessionState from = SessionState::kCommandingActive) {
   Session s;
@@ -24,9 +24,9 @@ void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, cons
   EXPECT_EQ(s.server.stop().joint, joint);
   EXPECT_NE(Describe(s.server.stop()).find(text), std::string::npos) << Describe(s.server.stop());
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
-  EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);  // STOP_LEVEL_1
-  EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);  // drives off
-  // the stop lasts, even with perfect answers
+  EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);  // safety stop: STOP_LEVEL_1
+  EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);  // drive state: off
+  // the stop lasts even if the client then answers perfectly
   for (int i = 0; i < 1000; ++i) s.Cycle();
   EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
   EXPECT_EQ(UintAt(s.message, {2, 2}), 2u);
@@ -34,10 +34,11 @@ void ExpectStop(const std::vector<double>& q, StopReason reason, int joint, cons
 
 TEST(FriServer, StopsOnAnIllegalCommand) {
   auto q = Start();
-  q[3] += 75.0 * 3.14159265358979 / 180.0 * 1e-3 * 1.1 + 1e-6;  // A4: 75 deg/s for 1 ms, margin 1.1
+  q[3] += 75.0 * 3.14159265358979 / 180.0 * 1e-3 * 1.1 +
+          1e-6;  // A4 may move at 75 deg/s for 1 ms with a margin of 1.1; this step is just too far
   ExpectStop(q, StopReason::kJointStep, 4, "joint step: A4");
   q = Start();
-  q[1] = 2.1;  // A2: 120 deg = 2.0944 rad
+  q[1] = 2.1;  // beyond the limit of A2: 120 deg = 2.0944 rad
   ExpectStop(q, StopReason::kJointLimit, 2, "joint limit: A2 commanded 2.1000 rad, accepted at most 2.0944");
   q = Start();
   q[1] = -2.1;
@@ -57,7 +58,7 @@ TEST(FriServer, StopsOnAnIllegalCommand) {
   ExpectStop(q, StopReason::kNotMirrored, 1, "not mirrored: A1", SessionState::kCommandingWait);
 }
 
-// After the acknowledgement the drives take half a second to switch on; then the robot's program requests
+// After the acknowledgement, the drives need half a second to switch on. Then the robot's program requests
 // commanding again.
 TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
   for (const int level : {0, 1, 2}) {
@@ -69,7 +70,8 @@ TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
     EXPECT_EQ(s.server.stop().reason, StopReason::kEmergencyStop);
     EXPECT_EQ(UintAt(s.message, {2, 2}), static_cast<std::uint64_t>(level) + 1);
     EXPECT_EQ(UintAt(s.message, {2, 5}), 0u);
-    for (int i = 0; i < 1000; ++i) s.Command(std::vector<double>(7, 0.6));  // a client unaware of the stop
+    for (int i = 0; i < 1000; ++i)
+      s.Command(std::vector<double>(7, 0.6));  // a client that has not noticed the stop
     EXPECT_EQ(s.server.counters().ignored, 1000u);
     EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
     EXPECT_EQ(s.server.state(), SessionState::kMonitoringReady);
@@ -77,7 +79,7 @@ TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
     s.server.Acknowledge();
     s.Cycle();
     EXPECT_EQ(UintAt(s.message, {2, 2}), 0u);
-    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);  // transitioning
+    EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);  // drive state: transitioning
     for (int i = 0; i < 498; ++i) s.Cycle();
     EXPECT_EQ(UintAt(s.message, {2, 5}), 1u);
     s.Cycle();
@@ -88,8 +90,8 @@ TEST(FriServer, AStoppedArmIgnoresCommandsUntilTheAcknowledgement) {
   }
 }
 
-// "Illegal axis delta": in impedance control a hand may push the arm away from its command, which stops the
-// arm beyond 0.1 rad. Position control has no such limit.
+// "Illegal axis delta": in impedance control a hand may push the arm away from its command. Beyond 0.1 rad
+// this stops the arm. Position control has no such limit.
 TEST(FriServer, ACommandFarFromTheMeasuredPositionStopsACompliantArm) {
   for (const auto control :
        {ControlMode::kPosition, ControlMode::kCartesianImpedance, ControlMode::kJointImpedance})
@@ -119,7 +121,7 @@ TEST(FriServer, FollowsAStepJustWithinTheVelocityLimit) {
   q[3] += step;
   s.Command(q);
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
-  // after two lost answers, the next may be three steps away
+  // after two lost answers, the next command may be three steps away
   s.Cycle(false);
   s.Cycle(false);
   q[3] += 3.0 * step;

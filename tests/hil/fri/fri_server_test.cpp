@@ -6,8 +6,8 @@
 
 #include "tests/hil/fri/fri_server_bench.h"
 
-// FRI server: the session's states and the content of its messages. Fields are named by their path of
-// protobuf numbers: {4, 1} is field 1 in field 4.
+// Tests the FRI server: the states of the session, and the content of its messages. A field is named by its
+// path of protobuf numbers: {4, 1} is field 1 within field 4.
 
 namespace osteon::hil {
 namespace {
@@ -32,12 +32,12 @@ TEST(FriServer, WalksTheSessionStatesInOrder) {
                                SessionState::kCommandingWait, SessionState::kCommandingActive}));
   EXPECT_EQ(s.server.counters().lost, 0u);
   EXPECT_EQ(s.server.counters().answered, 1000u);
-  EXPECT_EQ(UintAt(s.message, {4, 2}), 3u);  // EXCELLENT
+  EXPECT_EQ(UintAt(s.message, {4, 2}), 3u);  // quality EXCELLENT
   EXPECT_EQ(s.server.stop().reason, StopReason::kNone);
 }
 
-// After 50 answers the quality is GOOD, 200 cycles later the program requests commanding, and after 50
-// mirrored answers the client commands.
+// After 50 answers the quality is GOOD. 200 cycles later the robot's program requests commanding. After 50
+// more answers, which repeat the interpolator's position, the client commands.
 TEST(FriServer, StatesChangeAfter50And200And50Cycles) {
   Session s;
   int cycles = 0;
@@ -51,7 +51,7 @@ TEST(FriServer, StatesChangeAfter50And200And50Cycles) {
 
 TEST(FriServer, ReflectsTheClientsCounterAndCountsItsOwn) {
   Session s;
-  s.client.sequence = 0xfffffffd;  // wraps during the test
+  s.client.sequence = 0xfffffffd;  // the sequence number wraps around during the test
   for (int i = 0; i < 10; ++i) {
     const auto before = UintAt(s.message, {1, 2});
     s.Cycle();
@@ -63,13 +63,13 @@ TEST(FriServer, ReflectsTheClientsCounterAndCountsItsOwn) {
 TEST(FriServer, FollowsTheCommandOnlyWhenActive) {
   Session s;
   ASSERT_TRUE(s.WalkTo(SessionState::kMonitoringReady));
-  s.Command(std::vector<double>(7, 0.9));  // not requested
+  s.Command(std::vector<double>(7, 0.9));  // the client commands a position before it is asked to
   EXPECT_EQ(s.server.q_commanded(), JointVector::Constant(0.5));
   ASSERT_TRUE(s.WalkTo(SessionState::kCommandingActive));
   s.client.offset.fill(1e-3);
   s.Cycle();
   EXPECT_TRUE(s.server.q_commanded().isApprox(JointVector::Constant(0.501), 1e-15));
-  EXPECT_EQ(DoublesAt(s.message, {5, 1, 1}), Start());  // the interpolator stays
+  EXPECT_EQ(DoublesAt(s.message, {5, 1, 1}), Start());  // the interpolator's position does not change
   EXPECT_DOUBLE_EQ(DoublesAt(s.message, {3, 3, 1}).front(), 0.501);
 }
 
@@ -87,8 +87,8 @@ TEST(FriServer, ClosingTakesFiveSeconds) {
   EXPECT_TRUE(s.WalkTo(SessionState::kCommandingActive));
 }
 
-// A public log of a real arm ends with messages in the state IDLE; by default the simulated arm just falls
-// silent.
+// In a public log of a real arm, the session ends with messages in the state IDLE. By default, the simulated
+// arm only stops sending.
 TEST(FriServer, ASessionMayEndWithIdleMessages) {
   for (const SessionEnd end : {SessionEnd::kSilence, SessionEnd::kIdleMessages}) {
     Session s({.session_end = end});
@@ -115,7 +115,7 @@ TEST(FriServer, TheExternalTorqueIsFilteredAndHasAnOffset) {
   server.Open();
   const JointVector tau = JointVector::Constant(8.0);
   double read_Nm = 0.0;
-  for (int i = 0; i < 16; ++i)  // 1 / (2 pi 10 Hz) = 15.9 ms
+  for (int i = 0; i < 16; ++i)  // 16 ms, the time constant 1 / (2 pi 10 Hz) = 15.9 ms
     read_Nm =
         DoublesAt(server.BeginCycle({.q = JointVector::Constant(0.5), .tau_ext = tau}, 1), {3, 5, 1})[0];
   EXPECT_NEAR(read_Nm, 8.0 * (1.0 - std::exp(-2.0 * 3.14159265358979 * 10.0 * 0.016)), 1e-9);
@@ -170,7 +170,7 @@ TEST(FriServer, RefusesParametersOutOfRange) {
   EXPECT_THROW(make({.close_s = -1.0}), std::invalid_argument);
   EXPECT_THROW(make({.external_torque_cutoff_hz = -1.0}), std::invalid_argument);
   EXPECT_THROW(make({.send_period_ms = 20}),
-               std::invalid_argument);  // 50 answers a second are never EXCELLENT
+               std::invalid_argument);  // 50 answers per second can never give the quality EXCELLENT
   EXPECT_THROW(FriServer({}, kinematics::Iiwa14().limits, JointVector::Constant(2.2)), std::invalid_argument);
   EXPECT_THROW(FriServer({}, {}, q), std::invalid_argument);
 }

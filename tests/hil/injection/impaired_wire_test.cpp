@@ -13,15 +13,16 @@
 #include "injection_bench.h"
 #include "tests/base/checked_no_alloc_scope.h"
 
-// A wire with injected faults: loss, duplication, corruption, reordering, delay, jitter and silence, each
-// counted.
+// Tests a wire with injected faults: loss, duplication, corruption, reordering, delay, jitter and silence.
+// The wire counts each fault.
 
 namespace osteon::hil {
 namespace {
 
 constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 
-// A datagram filled with its number, so that damage and order are visible on arrival.
+// Size of a datagram. Each byte of a datagram holds the datagram's number, so that damage and order can be
+// seen on arrival.
 constexpr std::size_t kSize = 64;
 using Numbered = std::array<std::uint64_t, kSize / 8>;
 std::span<const std::uint8_t> Bytes(const Numbered& datagram) {
@@ -35,7 +36,8 @@ struct Arrived {
   bool intact;
 };
 
-// Sends `count` datagrams, one each millisecond. @returns those that arrive, at their times
+// Sends `count` datagrams, one each millisecond. @returns the datagrams that arrive, with their times of
+// arrival
 std::vector<Arrived> Send(ImpairedWire& wire, int count) {
   std::vector<Arrived> arrived;
   const auto take = [&](rt::Nanoseconds until) {
@@ -66,13 +68,13 @@ ImpairedWire WireWith(const WireFaults& faults, std::uint64_t seed = 1) {
   return {Always(faults, Wire::kArm, Direction::kBoth, seed), Wire::kArm, Direction::kToController};
 }
 
-// Expects a count within five standard deviations of a binomial distribution (exceeded once in two million
-// seeds).
+// Expects a count within five standard deviations of a binomial distribution with this share. Only one seed
+// in two million exceeds this range.
 void ExpectShare(std::uint64_t found, double share, double trials) {
   EXPECT_NEAR(static_cast<double>(found), share * trials, 5.0 * std::sqrt(share * (1.0 - share) * trials));
 }
 
-constexpr int kMany = 100'000;  // datagrams of a statistical test
+constexpr int kMany = 100'000;  // number of datagrams in a statistical test
 
 TEST(ImpairedWire, WithoutFaultsEverythingPassesAtOnceUnchanged) {
   ImpairedWire wire({}, Wire::kArm, Direction::kToController);
@@ -105,8 +107,8 @@ TEST(ImpairedWire, EachFaultHasTheConfiguredFrequency) {
   ExpectShare(damaged.counters().corrupted, 0.01, kMany);
   ExpectShare(short_ones, 0.25, static_cast<double>(not_intact));
 
-  // Reordering holds a datagram until the next one has passed, and that one is not drawn. So n draws hold p n
-  // datagrams of n + p n, a share of p / (1 + p).
+  // A reordered datagram is held until the next datagram has passed, and for the next one nothing is drawn.
+  // So n draws at the probability p reorder p n of n + p n datagrams, a share of p / (1 + p).
   std::uint64_t behind = 0, newest = 0;
   for (const Arrived& a : Send(swapped, kMany)) {
     behind += a.number < newest ? 1 : 0;
@@ -121,7 +123,7 @@ TEST(ImpairedWire, BurstsHaveTheirLengthAndKeepTheShareOfLosses) {
     ImpairedWire wire = WireWith({.loss = 0.05, .burst = burst});
     std::vector<bool> came(kMany, false);
     for (const Arrived& a : Send(wire, kMany)) came[a.number] = true;
-    // adjacent bursts form one run; the last run may be cut off, and is not checked
+    // adjacent bursts form one run of losses. The last run may be incomplete, so it is not checked
     int run = 0;
     std::uint64_t runs = 0;
     for (const bool c : came) {
@@ -134,7 +136,8 @@ TEST(ImpairedWire, BurstsHaveTheirLengthAndKeepTheShareOfLosses) {
       run = 0;
     }
     EXPECT_GT(runs, 0u);
-    // the bursts, not the losses, are independent, so their number determines the standard deviation
+    // single losses are not independent, but bursts are. So the number of bursts determines the standard
+    // deviation
     const double bursts = 0.05 * kMany / burst;
     EXPECT_NEAR(static_cast<double>(wire.counters().lost), 0.05 * kMany, 5.0 * burst * std::sqrt(bursts));
   }
@@ -149,7 +152,8 @@ TEST(ImpairedWire, TotalLossAndSilencePassNothing) {
 }
 
 TEST(ImpairedWire, DelayAndJitterKeepTheOrderAndTheirBounds) {
-  constexpr rt::Nanoseconds kDelay = 400'000, kJitter = 3 * kMs;  // below a period, and several periods
+  constexpr rt::Nanoseconds kDelay = 400'000,
+                            kJitter = 3 * kMs;  // the delay is below a period; the jitter is several periods
   ImpairedWire wire = WireWith({.delay = kDelay, .jitter = kJitter});
   const auto arrived = Send(wire, 10'000);
   ASSERT_EQ(arrived.size(), 10'000u);
@@ -192,7 +196,8 @@ TEST(ImpairedWire, InjectsOnlyInItsIntervalAfterTheScheduleStarts) {
   std::vector<int> missing;
   for (int i = 0; i < 200; ++i) {
     if (i == 100) wire.StartSchedule(i * kMs);
-    if (i == 115) wire.StartSchedule(i * kMs);  // commanding begins again: time continues
+    if (i == 115)
+      wire.StartSchedule(i * kMs);  // commanding begins again, but the time of the schedule continues
     const std::uint8_t byte = 1;
     wire.Push({&byte, 1}, i * kMs);
     if (wire.Next(i * kMs).empty()) missing.push_back(i);
@@ -220,7 +225,7 @@ TEST(ImpairedWire, EqualSeedsLoseTheSameDatagramsWhateverTheOtherFaults) {
     ImpairedWire w(Always(faults, wire, direction, seed), wire, direction);
     std::vector<bool> came(5000, false);
     for (const Arrived& a : Send(w, 5000)) came[a.number] = true;
-    came.pop_back();  // the last one may still be held until a next one passes
+    came.pop_back();  // the last datagram may be held until another one passes
     return came;
   };
   const auto first = lost({.loss = 0.1}, 5, Wire::kArm, Direction::kToController);
@@ -237,7 +242,7 @@ TEST(ImpairedWire, CountsDatagramsThatFindNoRoom) {
                     {.datagrams = 10, .bytes = 8});
   const std::array<std::uint8_t, 9> bytes{};
   for (int i = 0; i < 12; ++i) wire.Push(std::span(bytes).first(8), i * kMs);
-  wire.Push(bytes, 12 * kMs);  // too long
+  wire.Push(bytes, 12 * kMs);  // 9 bytes: longer than the wire's largest datagram
   EXPECT_EQ(wire.counters().overflow, 3u);
   EXPECT_EQ(wire.waiting(), 10u);
   EXPECT_TRUE(Balances(wire));

@@ -10,7 +10,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/can/can_frames.h"
 
-// Tests of ImpairedCanBus, a simulated device's end of a CAN bus with injected faults, in virtual time.
+// Tests ImpairedCanBus, the connection of a simulated device to a CAN bus with injected faults, in virtual
+// time.
 
 namespace osteon::hil {
 namespace {
@@ -20,8 +21,8 @@ using io::test::Frame;
 
 rt::Nanoseconds virtual_now = 0;
 
-// The bus behind the ImpairedCanBus: keeps frames that the device sent, and hands out `coming` frames once
-// virtual_now has reached their stamp.
+// The bus to which ImpairedCanBus passes frames. It keeps the frames that the device sends. It delivers a
+// frame of `coming` once virtual_now has reached the frame's time stamp.
 class MemoryBus final : public io::CanBus {
  public:
   CanResult Send(const io::CanFrame& frame) noexcept override {
@@ -36,7 +37,7 @@ class MemoryBus final : public io::CanBus {
     arrival = coming[taken++];
     return CanResult::kOk;
   }
-  // Advances virtual_now to the next frame or to the deadline, whichever is first.
+  // Advances virtual_now to the next frame or to the deadline, whichever is earlier.
   CanResult Receive(io::CanArrival& arrival, rt::Nanoseconds deadline) noexcept override {
     const rt::Nanoseconds next = taken == coming.size() ? deadline : std::min(deadline, coming[taken].stamp);
     virtual_now = std::max(virtual_now, next);
@@ -45,7 +46,7 @@ class MemoryBus final : public io::CanBus {
   [[nodiscard]] const io::CanStatus& status() const noexcept override { return status_; }
 
   std::vector<io::CanArrival> sent, coming;
-  std::size_t taken{0};  // number of `coming` frames taken
+  std::size_t taken{0};  // number of frames of `coming` that were delivered
   bool down{false};
 
  private:
@@ -81,7 +82,8 @@ TEST_F(InjectionCan, FramesPassUnchangedWithoutFaults) {
   EXPECT_EQ(bus.TryReceive(arrival), CanResult::kDown);
 }
 
-// Each fault alone at 10 % of 10'000 frames: about 1000 are expected, and a random draw stays above 700.
+// Tests each fault alone, at 10 % of 10'000 frames. About 1000 faults are expected; a random draw stays above
+// 700.
 TEST_F(InjectionCan, CountersEqualTheFramesLostDoubledOrChanged) {
   const io::CanFrame frame = Frame("123#0102030405060708");
   const auto run = [&](const WireFaults& faults, WireCounters& n) {
@@ -110,7 +112,7 @@ TEST_F(InjectionCan, CountersEqualTheFramesLostDoubledOrChanged) {
   EXPECT_EQ(run({.silence = true}, n).size(), 0u);
 }
 
-// While Receive() waits for a frame, the delayed frames of both directions move at the times they are due.
+// While Receive() waits for a frame, delayed frames of both directions must move at their due times.
 TEST_F(InjectionCan, ReceiveWakesWhenADelayedFrameIsDue) {
   constexpr rt::Nanoseconds kDelay = 300'000;  // 0.3 ms
   ImpairedCanBus bus(device_bus_, Sensor({.delay = kDelay}), Wire::kForceSensor, {}, &virtual_now);
@@ -127,8 +129,8 @@ TEST_F(InjectionCan, ReceiveWakesWhenADelayedFrameIsDue) {
   EXPECT_EQ(virtual_now, 100'000 + kDelay);
 }
 
-// Two devices share the bus: the force sensor (0x001, 0x064) is silenced, the drive's frames (0x7F in the low
-// seven bits) are doubled, and the frame 0x080 belongs to neither.
+// Two devices share the bus. The force sensor (0x001, 0x064) is silenced, the drive's frames (0x7F in the low
+// seven bits) are doubled, and the frame 0x080 belongs to neither device, so it must pass unchanged.
 TEST_F(InjectionCan, ChangesOnlyFramesOfItsOwnWire) {
   ImpairedCanBus sensor(device_bus_, Sensor({.silence = true}), Wire::kForceSensor,
                         {{.id = 0x64}, {.id = 0x1}}, &virtual_now);
@@ -148,7 +150,7 @@ TEST_F(InjectionCan, ChangesOnlyFramesOfItsOwnWire) {
   EXPECT_EQ(sensor.to_controller().silenced, 1u);
 }
 
-// A silence from time 0 of the schedule: frames pass until StartSchedule() is called.
+// The schedule contains a silence from its time 0. Frames must pass until StartSchedule() is called.
 TEST_F(InjectionCan, FaultsBeginWhenTheScheduleStarts) {
   const InjectionParams params{.injections = {{.wire = Wire::kForceSensor, .faults = {.silence = true}}}};
   ImpairedCanBus bus(device_bus_, params, Wire::kForceSensor, {}, &virtual_now);

@@ -1,4 +1,5 @@
-// A whole simulated cell behind impaired wires: in virtual time, and in its own thread over UDP.
+// Tests a whole simulated cell whose wires have injected faults: in virtual time, and in a thread of its own
+// over UDP.
 
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace {
 
 using control::SessionState;
 
-// Parameters of a cell whose session no loss of messages ends.
+// Parameters of a cell whose session does not end because of lost messages.
 SimulatedCellParams PatientCell(int period_ms = 1) {
   SimulatedCellParams params;
   params.arm = kinematics::Iiwa14();
@@ -32,13 +33,14 @@ SimulatedCellParams PatientCell(int period_ms = 1) {
   return params;
 }
 
-// That cell with a reaming script.
+// The cell of PatientCell, with a reaming script.
 SimulatedCell Cell(int period_ms = 1) { return {PatientCell(period_ms), MakeReamingScript({})}; }
 
-// An impaired cell and a client of FRI in lockstep: one Step() is one millisecond of virtual time.
+// A cell with faults on its wire and an FRI client, in lockstep. One Step() advances the virtual time by one
+// millisecond.
 struct Lockstep {
   explicit Lockstep(const InjectionParams& injections) : cell(Cell(), injections) {}
-  // Runs one period: delivers the messages that arrive in it, and answers the newest.
+  // Runs one period: delivers the messages that arrive in it, and answers the newest of them.
   void Step() {
     now += rt::kMillisecond;
     bool accepted = false;
@@ -50,7 +52,7 @@ struct Lockstep {
     });
     if (accepted) cell.Receive(session.Answer({.q = arm.q_ipo, .activation = arm.activation}));
   }
-  // False if the cell is not commanded within 5 s.
+  // Runs until the cell is commanded. Returns false if that takes longer than 5 s.
   bool StepUntilCommanded() {
     for (int i = 0; i < 5000 && arm.session != SessionState::kCommandingActive; ++i) Step();
     return arm.session == SessionState::kCommandingActive;
@@ -60,7 +62,8 @@ struct Lockstep {
   control::ArmState arm;
   rt::Nanoseconds now{0};
   std::vector<std::uint8_t> bytes;
-  std::vector<rt::Nanoseconds> arrivals;  // relative to the time the message was made
+  std::vector<rt::Nanoseconds>
+      arrivals;  // times of arrival, relative to the time at which each message was made
 };
 
 TEST(InjectionCell, WithoutInjectionsEveryByteEqualsThePlainCells) {
@@ -81,8 +84,8 @@ TEST(InjectionCell, WithoutInjectionsEveryByteEqualsThePlainCells) {
   EXPECT_EQ(impaired.cell.state().counters.lost + impaired.cell.state().counters.stale, 0u);
 }
 
-// A message and its answer are each delayed. Below half a period the answer is still in time; above, every
-// answer is stale.
+// A message and its answer are both delayed. With a delay below half a period, the answer is still in time;
+// with a longer delay, every answer is stale.
 TEST(InjectionCell, ADelayBelowAPeriodIsExact) {
   for (const rt::Nanoseconds delay : {300'000, 600'000}) {
     Lockstep run({.injections = {{.from_s = 0.0, .to_s = 1.0, .faults = {.delay = delay}}}});
@@ -91,7 +94,7 @@ TEST(InjectionCell, ADelayBelowAPeriodIsExact) {
       ASSERT_EQ(run.arrivals, std::vector<rt::Nanoseconds>{delay});
       run.Step();
     }
-    // whether message and answer both arrive within the period of 1 ms
+    // the answer is in time if message and answer both arrive within the period of 1 ms
     const FriCounters& n = run.cell.state().counters;
     if (2 * delay < rt::kMillisecond) {
       EXPECT_EQ(n.lost + n.stale, 0u);
@@ -116,7 +119,7 @@ TEST(InjectionCell, InjectionTimesCountFromTheFirstCommanding) {
   EXPECT_EQ(run.arm.lost, 100u);
 }
 
-// Sequence numbers and counts of lost and stale messages, tick by tick.
+// Compares two runs tick by tick: sequence numbers, and counts of lost and stale messages.
 TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
   const auto run = [](std::uint64_t seed) {
     Lockstep r({.injections = {{.faults = {.loss = 0.05,
@@ -138,8 +141,9 @@ TEST(InjectionCell, TwoRunsOfOneSeedAreTheSame) {
   EXPECT_NE(run(3), run(4));
 }
 
-// A period of 100 ms, a delay of 5 ms. If datagrams moved only at the end of a period, every answer would
-// belong to the message before. Times have only lower bounds, because the machine may be busy.
+// The period is 100 ms, the delay 5 ms. If datagrams were passed on only at the end of a period, every answer
+// would belong to the message before. The times are checked against lower bounds only, because the machine
+// may be busy.
 TEST(InjectionCellThread, DeliversADelayedMessageWithinItsPeriod) {
   constexpr rt::Nanoseconds kDelay = 5 * rt::kMillisecond;
   auto link = io::FriLink::Open({.port = 0});
@@ -182,7 +186,7 @@ TEST(InjectionCellThread, CellAndClientCountTheSameFaults) {
   EXPECT_GT(n.duplicated, 5u);
   EXPECT_EQ(n.passed, n.pushed - n.lost + n.duplicated);
   EXPECT_EQ(arm.duplicate, n.duplicated);
-  // losses before the first received answer, or after the last, leave no gap
+  // losses before the first answer received, or after the last one, leave no gap in the sequence
   EXPECT_LE(arm.lost, n.lost);
 }
 

@@ -1,5 +1,5 @@
-// Both sides count what is injected into FRI's datagrams: the simulated arm (libprotobuf) and the product's
-// client, in lockstep.
+// Tests that both sides count the faults that are injected into FRI's datagrams: the simulated arm (with
+// libprotobuf) and the product's client, in lockstep.
 
 #include <string>
 
@@ -14,19 +14,19 @@
 namespace osteon::hil {
 namespace {
 
-// Cycles with faults of a run. With faults of 5 %, kDatagrams gives about 1000 of them, and more than 800 in
-// any draw. kFewer is enough where every datagram is affected.
+// Numbers of cycles with faults. kDatagrams with a fault rate of 5 % gives about 1000 faults, and more than
+// 800 in any draw. kFewer is enough if every datagram has a fault.
 constexpr int kDatagrams = 20'000, kFewer = 5'000;
 
-// Arm and client with a wire for each direction between them. The constructor runs `count` cycles with faults
-// and a hundred without, one millisecond each.
+// An arm and a client with one wire for each direction. The constructor runs `count` cycles with faults and a
+// hundred cycles without. Each cycle lasts one millisecond.
 struct FriPair {
   FriPair(const WireFaults& faults, Direction direction, int count = kDatagrams)
       : params{.injections = {{.direction = direction, .to_s = count * 1e-3, .faults = faults}}},
         to_controller(params, Wire::kArm, Direction::kToController),
         from_controller(params, Wire::kArm, Direction::kFromController),
         server(ServerParams(), kinematics::Iiwa14().limits, kinematics::JointVector::Constant(0.1)),
-        session({.version = io::FriVersion::k2_7}) {  // its checksum finds every damage
+        session({.version = io::FriVersion::k2_7}) {  // the checksum of 2.7 detects every damage
     server.Open();
     to_controller.StartSchedule(0);
     from_controller.StartSchedule(0);
@@ -36,12 +36,12 @@ struct FriPair {
 
   static FriServerParams ServerParams() {
     FriServerParams p{.version = io::FriVersion::k2_7};
-    p.quality.good_timeout_s = 3600.0;  // the session must survive any loss
+    p.quality.good_timeout_s = 3600.0;  // the session must not end, however many answers are lost
     return p;
   }
 
-  // Runs one cycle of the arm: answers that are due, the next message, messages that are due and their
-  // answers.
+  // Runs one cycle of the arm: delivers the answers that are due, sends the next message, and delivers the
+  // messages that are due, which the client answers.
   void Step(rt::Nanoseconds now) {
     while (from_controller.NextDue() <= now) server.Receive(from_controller.Next(now));
     server.EndCycle();
@@ -61,7 +61,7 @@ struct FriPair {
   control::ArmState arm;
 };
 
-// Each fault meets 5 % of the datagrams; kBursts loses 20 in a row.
+// Each fault has a rate of 5 % of the datagrams. kBursts loses 20 datagrams in a row.
 constexpr WireFaults kLoss{.loss = 0.05}, kBursts{.loss = 0.05, .burst = 20}, kDuplicated{.duplicate = 0.05},
     kReordered{.reorder = 0.05}, kDamaged{.corrupt = 0.05};
 

@@ -2,11 +2,11 @@
 
 #include "hil/operator/hand_script.h"
 
-// Helpers of the tests of the operator's hand.
+// Helpers for the tests of the operator's hand.
 
 namespace osteon::hil {
 
-/// A cup with a general orientation.
+/// Pose of a cup with a general orientation.
 inline Pose TiltedCup() {
   Pose X_WC = Pose::Identity();
   X_WC.linear() = ExpRotation({0.7, -0.4, 0.3});
@@ -14,7 +14,7 @@ inline Pose TiltedCup() {
   return X_WC;
 }
 
-/// Centre of the tool's head in W, for the head radius 25 mm of the scripts below.
+/// Centre of the tool's head in W. The scripts below use a head radius of 25 mm.
 inline Vector3 HeadCenter(const Pose& X_WT) { return X_WT * Vector3(0.0, 0.0, -0.025); }
 
 /// A script that holds the tool at one place in the tilted cup, with full grip.

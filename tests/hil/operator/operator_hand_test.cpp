@@ -11,7 +11,8 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
-// Tests of the simulated operator: the reaming script over time, and the wrench of the hand that follows it.
+// Tests the simulated operator: the reaming script over time, and the wrench of the hand that follows the
+// script.
 
 namespace osteon::hil {
 namespace {
@@ -33,9 +34,10 @@ TEST(HandScript, StartsAboveTheCupWithTheFeedIntoIt) {
 TEST(HandScript, ATenSecondScriptHasTheDocumentedPhases) {
   const HandScript script = Reaming();
   EXPECT_NEAR(script.duration_s(), 10.0, 1e-12);
-  EXPECT_NEAR(script.Sample(1.0).height_m, 0.0, 1e-12);             // approached
-  EXPECT_NEAR(script.Sample(1.7).force_limit_N, 120.0, 1e-9);       // full force
-  EXPECT_NEAR(script.Sample(5.0).height_m, -0.010 - 0.060, 1e-12);  // out of the spring's reach by 120 N
+  EXPECT_NEAR(script.Sample(1.0).height_m, 0.0, 1e-12);        // the approach has ended
+  EXPECT_NEAR(script.Sample(1.7).force_limit_N, 120.0, 1e-9);  // full force
+  EXPECT_NEAR(script.Sample(5.0).height_m, -0.010 - 0.060,
+              1e-12);  // retracted so far that the spring no longer reaches the bone with 120 N
   EXPECT_NEAR(script.Sample(8.8).force_limit_N, 120.0, 1e-9);
   EXPECT_NEAR(script.Sample(9.2).force_limit_N, 20.0, 1e-9);
   EXPECT_STREQ(script.PhaseName(0.5), "approach");
@@ -60,20 +62,22 @@ TEST(HandScript, WhirlwindTiltsTenDegreesAboutTheHeadsCentreInTwoSeconds) {
   const Pose X_WC = TiltedCup();
   const Vector3 n = X_WC.linear().col(2);
   for (double t = 0.0; t <= 10.0; t += 0.05) {
-    // the head's centre stays on the axis throughout
+    // the head's centre must stay on the axis all the time
     const Vector3 p_C = X_WC.inverse() * HeadCenter(script.Sample(t).X_WT);
     EXPECT_LT(p_C.head<2>().norm(), 1e-14);
   }
   for (double t = 2.6; t <= 6.0; t += 0.1) {
     const Vector3 z = script.Sample(t).X_WT.linear().col(2);
     EXPECT_NEAR(std::acos(-z.dot(n)), 10.0 * std::numbers::pi / 180.0, 1e-9);
-    EXPECT_LT((script.Sample(t + 2.0).X_WT.linear().col(2) - z).norm(), 1e-9);  // a period
+    EXPECT_LT((script.Sample(t + 2.0).X_WT.linear().col(2) - z).norm(),
+              1e-9);  // one period of the tilt later
     EXPECT_NEAR((script.Sample(t + 1.0).X_WT.linear().col(2) + z).normalized().dot(-n), 1.0,
-                1e-9);  // opposite
+                1e-9);  // half a period later the tilt is opposite
   }
 }
 
-// Central difference of the pose: error h^2/6 of the third derivative, about 1e-8 here.
+// Compares the velocity with the central difference of the pose. The error is h^2/6 of the third derivative,
+// with the step h: about 1e-8 here.
 TEST(HandScript, VelocityIsTheDerivativeOfThePose) {
   const double h = 1e-5;
   for (const double seconds : {1.0, 10.0}) {
@@ -88,9 +92,10 @@ TEST(HandScript, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// At each change of phase the velocity's slope must not jump. With a blend that is only C1, over a distance d
-// in time T, it would jump by 6 d / T^2: 2.6 m/s^2 at the end of unloading. The quintic's jerk
-// (60 d / T^3 = 40 m/s^3) over the 4 h between the samples leaves 2e-3 m/s^2.
+// The slope of the velocity must not jump when the phase changes. With a blend that is only C1, over the
+// distance d in the time T, it would jump by 6 d / T^2: 2.6 m/s^2 at the end of unloading. With the quintic,
+// the jerk (60 d / T^3 = 40 m/s^3) over the distance 4 h between the samples changes the slope by 2e-3 m/s^2
+// only.
 TEST(HandScript, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Reaming();
   const double h = 1e-5;
@@ -106,7 +111,7 @@ TEST(HandScript, TargetsAreTwiceContinuouslyDifferentiable) {
       EXPECT_LT((slope(r0, r1, v) - slope(l0, l1, v)).norm(), 5e-3) << phase.name;
       EXPECT_LT((slope(r0, r1, w) - slope(l0, l1, w)).norm(), 5e-3) << phase.name;
       const auto force = [&](double t) { return Vector3(script.Sample(t).force_limit_N, 0, 0); };
-      EXPECT_LT(slope(l1, r0, force).norm(), 1e-3) << phase.name;  // at rest there
+      EXPECT_LT(slope(l1, r0, force).norm(), 1e-3) << phase.name;  // the hand rests there
     }
     boundary += phase.duration_s;
   }
@@ -142,19 +147,20 @@ TEST(OperatorHand, PullsTheToolBackToItsTarget) {
   X_WT = Hold().Sample(0.0).X_WT;
   const Vector3 r(0.02, -0.01, 0.03), p_T_head = -0.025 * X_WT.linear().col(2);
   X_WT.linear() = ExpRotation(r) * X_WT.linear();
-  X_WT.translation() += p_T_head - ExpRotation(r) * p_T_head;  // turned about the head's centre
+  X_WT.translation() += p_T_head - ExpRotation(r) * p_T_head;  // rotates about the head's centre
   F = hand.Step(0.1, 1e-3, X_WT, {});
   EXPECT_LT(F.f.norm(), 1e-9);
   EXPECT_TRUE(F.t.isApprox(-20.0 * r, 1e-9));
 }
 
-// The hand pulls at the head's centre, and its wrench is given at the tool's origin To: force and torque at
+// The hand pulls at the head's centre, but its wrench is given at the tool's origin To. Force and torque at
 // To must do the same virtual work as the force alone at the head's centre.
 TEST(OperatorHand, WrenchAtTheToolsOriginEqualsTheForceAtTheHeadsCentre) {
   OperatorHand hand({}, Hold());
   hand.Reset();
   Pose X_WT = Hold().Sample(0.0).X_WT;
-  X_WT.translation() += Vector3(1e-3, 2e-3, 3e-3);  // pure translation: no torque at the head's centre
+  X_WT.translation() +=
+      Vector3(1e-3, 2e-3, 3e-3);  // a pure translation, so there is no torque at the head's centre
   const Wrench F = hand.Step(0.1, 1e-3, X_WT, {});
   for (int i = 0; i < 3; ++i) {
     const Vector3 w = Vector3::Unit(i);
@@ -169,15 +175,15 @@ TEST(OperatorHand, PressesWithTheScriptedForceAgainstAFixedTool) {
   hand.Reset();
   const Vector3 n = TiltedCup().linear().col(2);
   Pose X_WT = script.Sample(0.0).X_WT;
-  X_WT.translation() -= 0.042 * n;  // from the start at 40 mm to 2 mm below height 0
+  X_WT.translation() -= 0.042 * n;  // from the start at the height 40 mm to the height -2 mm
   for (int k = 1; k <= 10000; ++k) {
     const double t = k * 1e-3;
     const Wrench F = hand.Step(t, 1e-3, X_WT, {});
     if (t > 1.7 && t < 8.8) {
       ASSERT_NEAR(F.f.dot(n), -120.0, 1e-9) << t;
     }
-    // The tool is held upright while the target is tilted by 10 deg and turns: the torques of spring and
-    // damper are at right angles.
+    // The tool is upright while the target is tilted by 10 deg and turns about the axis. So the torques of
+    // spring and damper are perpendicular to each other.
     if (t > 2.6 && t < 7.9) {
       const double spring = 20.0 * 0.174533, damper = 0.8 * std::numbers::pi * std::sin(0.174533);
       ASSERT_NEAR((F.t - (X_WT.translation() - HeadCenter(X_WT)).cross(-F.f)).norm(),
@@ -186,8 +192,8 @@ TEST(OperatorHand, PressesWithTheScriptedForceAgainstAFixedTool) {
   }
 }
 
-// The tool is moved at random, far beyond what the hand can follow; the hand trembles. Every bound holds in
-// every tick.
+// The tool is moved at random, farther and faster than the hand can follow, and the hand trembles. Every
+// bound must hold in every tick.
 TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   const Vector3 n = TiltedCup().linear().col(2);
   std::mt19937 random(99);
@@ -211,7 +217,8 @@ TEST(OperatorHand, ForcesAreBoundedWhateverTheToolDoes) {
   }
 }
 
-// Without spring and damper, a handle in constant acceleration feels only the inertia of the hand's mass.
+// With neither spring nor damper, a handle that accelerates constantly feels only the inertia of the hand's
+// mass.
 TEST(OperatorHand, AddsTheInertiaOfItsMass) {
   OperatorHand hand(
       {.stiffness_N_per_m = 0, .damping_Ns_per_m = 0, .stiffness_Nm_per_rad = 0, .damping_Nms_per_rad = 0},
@@ -223,13 +230,15 @@ TEST(OperatorHand, AddsTheInertiaOfItsMass) {
   Wrench F;
   for (int k = 1; k <= 100; ++k)
     F = hand.Step(k * 1e-3, 1e-3, X_WT, {.v = a * (k * 1e-3), .w = alpha * (k * 1e-3)});
-  // after 20 time constants only the mass remains: f = -m a_head, t about T = -I alpha + r x f
+  // after 20 time constants only the inertia of the mass remains: f = -m a_head, and the torque t about T is
+  // -I alpha + r x f
   const Vector3 f = -1.5 * (a + alpha.cross(p_T_head));
   EXPECT_LT((F.f - f).norm(), 1e-6);
   EXPECT_LT((F.t - (-0.01 * alpha + p_T_head.cross(f))).norm(), 1e-6);
 }
 
-// The mass never returns more energy than it received, for any motion of the handle and any filter time.
+// For any motion of the handle and any filter time, the hand's mass must never return more energy than it
+// received.
 TEST(OperatorHand, MassIsPassive) {
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;
@@ -279,11 +288,11 @@ TEST(OperatorHand, DoesNotAllocate) {
   for (int k = 0; k < 100; ++k) (void)hand.Step(k * 0.1, 1e-3, X_WT, {});
 }
 
-// The work is done at a height of -2 mm. The hand presses with its whole limit of 60 N from 0.3 mm above that
-// height, with half of it at 0.15 mm above, and not at all below. It reacts with a lag of 0.25 s. A pull out
-// of the bone is not weakened.
+// The script's work is done at a height of -2 mm. The hand presses with its whole limit of 60 N down to 0.3
+// mm above that height, with half of it at 0.15 mm above, and not at all below. It reacts with a lag of 0.25
+// s. A pull out of the bone is not reduced.
 TEST(OperatorHand, StopsPushingWhereItSeesTheWorkDone) {
-  // the force into the bone after `seconds` with the head at rest at that height
+  // the hand's force into the bone after `seconds`, with the head at rest at this height
   const auto push_N = [](double head_height_m, double seconds, double target_m, double give_m_per_N) {
     const HandKey key{.height_m = target_m,
                       .force_limit_N = 60.0,

@@ -16,7 +16,7 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/hil/operator/hand_samples.h"
 
-// Tests of incidents of the simulated operator: a grip that stiffens, a clamped handle, a startled release.
+// Tests incidents of the simulated operator: a grip that stiffens, a clamped handle, a startled release.
 
 namespace osteon::hil {
 namespace {
@@ -35,14 +35,14 @@ Pose Moved(Pose X, const Vector3& by) {
   return X;
 }
 
-// A virtual tool that does not rotate: M v' + D v = f_hand + f_load. By default it begins at rest at the
-// hand's target.
+// A virtual tool that does not rotate: M v' + D v = f_hand + f_load. By default it is at rest at the hand's
+// target when the test begins.
 struct FreeTool {
   double mass_kg{3.0}, damping_Ns_per_m{20.0};
-  Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // offset from the target, velocity
+  Vector3 x{Vector3::Zero()}, v{Vector3::Zero()};  // offset from the target [m]; velocity [m/s]
   Vector3 f_hand{Vector3::Zero()};
 
-  // One period at time t, under the hand's force and a load [N].
+  // Runs one period at the time t. The hand's force and the load f_load [N] act on the tool.
   void Step(OperatorHand& hand, double t, const Vector3& f_load) {
     f_hand = hand.Step(t, kDt_s, Moved(Hold().Sample(0.0).X_WT, x), {.v = v}).f;
     v = (v + kDt_s / mass_kg * (f_hand + f_load)) / (1.0 + kDt_s * damping_Ns_per_m / mass_kg);
@@ -50,17 +50,17 @@ struct FreeTool {
   }
 };
 
-// The offset in metres, at time t, of a tool in strong, smooth, non-periodic motion.
+// Offset [m] at the time t of a tool in strong, smooth motion without a period.
 Vector3 Shaken(double t) {
   return {4e-3 * std::sin(21 * t), 3e-3 * std::sin(13 * t + 1), 5e-3 * std::sin(34 * t + 2)};
 }
-// Its derivative.
+// Time derivative of Shaken(t) [m/s].
 Vector3 ShakenSpeed(double t) {
   return {84e-3 * std::cos(21 * t), 39e-3 * std::cos(13 * t + 1), 170e-3 * std::cos(34 * t + 2)};
 }
 
 // The target is out of reach, the tool is shaken, and all bounds of the hand are active. The hand's wrench
-// must not jump when its spring stiffens, nor when that ends.
+// must not jump when the spring stiffens, nor when the spring returns to normal.
 TEST(GripStep, ChangesTheSpringWithoutAStepInTheWrench) {
   const HandScript script = Hold(20.0, -0.05);
   const OperatorHandParams plain{.damping_Ns_per_m = 30.0, .tremor_N = 1.0};
@@ -70,7 +70,8 @@ TEST(GripStep, ChangesTheSpringWithoutAStepInTheWrench) {
                          .stiffness_Nm_per_rad = 200.0,
                          .damping_Nms_per_rad = 3.0};
   stepped.incidents = IncidentsOf({GripStep{.begin_s = 0.5, .end_s = 0.9, .return_s = 0.2, .spring = stiff}});
-  OperatorHand hand(plain, script), gripping(stepped, script);  // without and with the incident
+  OperatorHand hand(plain, script),
+      gripping(stepped, script);  // a hand without the incident, and one with it
   hand.Reset();
   gripping.Reset();
   const Pose X_WT = Hold().Sample(0.0).X_WT;
@@ -89,7 +90,7 @@ TEST(GripStep, ChangesTheSpringWithoutAStepInTheWrench) {
       ASSERT_EQ(a.f, b.f) << t;
       ASSERT_EQ(a.t, b.t) << t;
     }
-    if (k == 500) {  // equal, but summed in another order
+    if (k == 500) {  // the forces are equal, but summed in another order
       EXPECT_LT((a.f - b.f).norm(), 1e-9);
       EXPECT_LT((a.t - b.t).norm(), 1e-9);
     }
@@ -99,13 +100,13 @@ TEST(GripStep, ChangesTheSpringWithoutAStepInTheWrench) {
     }
     before = b;
   }
-  // the stiff spring at 0.2 m/s contributes 1.2 N a tick, its damper at 6 m/s^2 and the mass 0.7 N; a change
-  // that did not keep the wrench would add the 80 N that the script's limit cut off
+  // in one tick, the stiff spring changes the force by 1.2 N at 0.2 m/s, and damper and mass by 0.7 N at 6
+  // m/s^2. Without care, the change of the spring would add the 80 N that the script's limit cuts off
   EXPECT_LT(largest_step, 2.5);
   EXPECT_LT(largest_torque_step, 0.6);
 }
 
-// A tool at rest under a load does not move when the hand stiffens, or relaxes again.
+// A tool at rest under a load must not move when the hand stiffens, nor when it relaxes again.
 TEST(GripStep, DoesNotMoveATool) {
   const Vector3 load(6.0, -3.0, 4.0);
   OperatorHand hand({.stiffness_N_per_m = 300.0,
@@ -119,8 +120,8 @@ TEST(GripStep, DoesNotMoveATool) {
   }
 }
 
-// After the grip step the hand resists with the new spring in all directions, though the script limits the
-// force along the axis to 20 N.
+// After the grip step, the hand must resist with the new spring in all directions, although the script limits
+// the force along the axis to 20 N.
 TEST(GripStep, ResistsWithTheNewSpringInAllDirections) {
   const HandScript script = Hold(20.0, -0.05);
   OperatorHand hand(
@@ -140,8 +141,8 @@ TEST(GripStep, ResistsWithTheNewSpringInAllDirections) {
       << "a hand's utmost";
 }
 
-// Tool mass M with hand mass m on spring k oscillates at sqrt(k / (M + m)) / 2 pi: 1.30 Hz in the loose hand,
-// 5.81 Hz in the firm one.
+// The tool's mass M and the hand's mass m on the spring k oscillate at sqrt(k / (M + m)) / 2 pi: at 1.30 Hz
+// in the loose hand, at 5.81 Hz in the firm hand.
 TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
   for (const bool firm : {false, true}) {
     OperatorHandParams params{.stiffness_N_per_m = 300.0, .damping_Ns_per_m = 2.0, .grip_time_s = 5e-4};
@@ -151,7 +152,7 @@ TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
     OperatorHand hand(params, Hold());
     hand.Reset();
     FreeTool tool{.damping_Ns_per_m = 0.0, .v = {0.05, 0, 0}};
-    std::vector<double> crossings_s;  // upward
+    std::vector<double> crossings_s;  // times [s] at which the tool crosses zero upward
     double x_before = -1.0;
     for (int k = 1; crossings_s.size() < 6 && k < 20000; ++k) {
       tool.Step(hand, k * kDt_s, Vector3::Zero());
@@ -160,14 +161,16 @@ TEST(GripStep, ToolRingsAtTheFirmHandsFrequency) {
       x_before = tool.x.x();
     }
     ASSERT_EQ(crossings_s.size(), 6u);
-    const double hz = 4.0 / (crossings_s[5] - crossings_s[1]);  // the first one is from the start
+    const double hz =
+        4.0 / (crossings_s[5] - crossings_s[1]);  // leaves out the first crossing, which depends on the start
     const double expected_hz = std::sqrt((firm ? 6000.0 : 300.0) / (3.0 + 1.5)) / (2.0 * std::numbers::pi);
-    // the mass lags by tau and a period: (w (tau + T))^2 = 0.3 % of a third of the inertia
+    // tolerance: the mass lags by the filter time tau and a period T, which changes a third of the inertia by
+    // (w (tau + T))^2 = 0.3 %
     EXPECT_NEAR(hz / expected_hz, 1.0, 3e-3);
   }
 }
 
-// One load is within the hand's max_force_N, one beyond: the clamp has no such limit.
+// Two loads: one is below the hand's max_force_N, the other exceeds it. The clamp has no such limit.
 TEST(RigidClamp, DeflectsByForceOverStiffnessWithoutAForceLimit) {
   for (const double load_N : {80.0, 400.0}) {
     const Vector3 load = load_N * Vector3(2.0, -1.0, 2.0) / 3.0;
@@ -179,7 +182,7 @@ TEST(RigidClamp, DeflectsByForceOverStiffnessWithoutAForceLimit) {
     for (int k = 1; k <= 3000; ++k) {
       tool.Step(hand, k * kDt_s, k < 500 ? Vector3::Zero() : load);
       if (k == 499) x_closed = tool.x;
-      if (k > 499) {  // after a step of load the swing is at most twice the static deflection
+      if (k > 499) {  // after a step of the load, the deflection is at most twice the static one
         ASSERT_LE((tool.x - x_closed).norm(), 2.0 * load_N / 50000.0) << k;
       }
     }
@@ -188,8 +191,8 @@ TEST(RigidClamp, DeflectsByForceOverStiffnessWithoutAForceLimit) {
   }
 }
 
-// The clamp closes without preload at the tool's place, not at the script's target. When it opens, the hand
-// takes over without a jolt.
+// The clamp must close without preload at the tool's present place, not at the script's target. When it
+// opens, the hand must take over without a jolt.
 TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
   const Vector3 load(30.0, 0, -20.0);
   OperatorHand hand({.incidents = IncidentsOf({RigidClamp{.begin_s = 0.5, .end_s = 1.5, .return_s = 0.4}})},
@@ -203,14 +206,15 @@ TEST(RigidClamp, ClosesWhereTheToolIsAndHandsOverSmoothly) {
       EXPECT_LT(tool.f_hand.norm(), 1e-9) << "a preload";
     }
     if (k >= 1500 && k < 1900) {
-      ASSERT_LT((tool.f_hand - f_before).norm(), 0.5) << k;  // of 36 N
+      ASSERT_LT((tool.f_hand - f_before).norm(), 0.5) << k;  // small compared with the 36 N of the load
     }
     f_before = tool.f_hand;
   }
   EXPECT_LT((tool.x - load / 2000.0).norm(), 1e-6) << "back at the hand's own balance";
 }
 
-// The clamp's default rotational spring has 500 Nm/rad; a clamp has no tremor although the hand has.
+// The clamp's rotational spring has 500 Nm/rad by default. The clamp must not tremble, although the hand
+// does.
 TEST(RigidClamp, HoldsTheRotationWithItsSpringAndDoesNotTremble) {
   OperatorHand hand({.tremor_N = 5.0, .incidents = IncidentsOf({RigidClamp{.begin_s = 0.0}})}, Hold());
   hand.Reset();
@@ -218,13 +222,14 @@ TEST(RigidClamp, HoldsTheRotationWithItsSpringAndDoesNotTremble) {
   EXPECT_EQ(hand.Step(0.0, kDt_s, X_WT, {}).f, Vector3::Zero());
   const Vector3 turn(0.01, -0.02, 0.015), p_T_head = HeadCenter(X_WT) - X_WT.translation();
   X_WT.linear() = ExpRotation(turn) * X_WT.linear();
-  X_WT.translation() += p_T_head - ExpRotation(turn) * p_T_head;  // about the head's centre
+  X_WT.translation() += p_T_head - ExpRotation(turn) * p_T_head;  // rotates about the head's centre
   const Wrench F = hand.Step(0.7, kDt_s, X_WT, {});
   EXPECT_LT(F.f.norm(), 1e-9);
   EXPECT_LT((F.t + 500.0 * turn).norm(), 1e-9);
 }
 
-// A jerk from 0.5 to 0.55 s, an open hand from 0.58 s, away until 0.83 s, a full grasp at 1.03 s.
+// A startled release: a jerk from 0.5 to 0.55 s, an open hand from 0.58 s, the hand away until 0.83 s, and a
+// full grasp at 1.03 s.
 const StartledRelease kStartled{.begin_s = 0.5,
                                 .jerk_N = 40.0,
                                 .jerk_s = 0.05,
@@ -245,7 +250,7 @@ TEST(StartledRelease, JerksWithTheGivenImpulseThenOpensInTime) {
   for (int k = 1; k <= 1500; ++k) {
     const double t = k * kDt_s;
     const Wrench a = hand.Step(t, kDt_s, X_WT, {}), b = jumpy.Step(t, kDt_s, X_WT, {});
-    if (k < 500 || k >= 1030) {  // as without an incident
+    if (k < 500 || k >= 1030) {  // at these times the hand must be as without an incident
       ASSERT_EQ(a.f, b.f) << t;
     }
     if (k >= 500 && k < 550) impulse_Ns += kDt_s * (b.f - a.f);
@@ -256,19 +261,20 @@ TEST(StartledRelease, JerksWithTheGivenImpulseThenOpensInTime) {
       ASSERT_EQ(b.f, Vector3::Zero()) << t;
       ASSERT_EQ(b.t, Vector3::Zero()) << t;
     }
-    // The steepest change is the hand's opening: about 52 N (49 N and tremor) in 30 ms, by a quintic whose
-    // steepest slope is 1.875.
+    // The force changes fastest while the hand opens: about 52 N (49 N and the tremor) in 30 ms along a
+    // quintic, whose largest slope is 1.875 times the mean slope.
     if (k > 1) {
       ASSERT_LT((b.f - f_before).norm(), 1.9 * 52.0 / 30.0) << t;
     }
     f_before = b.f;
   }
-  // sin^2 over its whole period: the sum is exact
+  // the impulse is exact, because the samples of sin^2 cover its whole period
   const Vector3 expected_Ns = TiltedCup().linear() * Vector3(0.6, 0.0, -0.8) * (40.0 * 0.05 / 2.0);
   EXPECT_LT((impulse_Ns - expected_Ns).norm(), 1e-9);
 }
 
-// After a release that never ends, the tool moves like a free body: v is divided by 1 + T D / M each tick.
+// After a release without an end, the tool must move like a free body: in each tick its speed v is divided by
+// 1 + T D / M.
 TEST(StartledRelease, ToolIsFreeAfterwards) {
   StartledRelease never = kStartled;
   never.away_s = std::numeric_limits<double>::infinity();
@@ -285,9 +291,9 @@ TEST(StartledRelease, ToolIsFreeAfterwards) {
   EXPECT_EQ(hand.Step(3600.0, kDt_s, Moved(Hold().Sample(0.0).X_WT, {0.3, 0, 0}), {}).f, Vector3::Zero());
 }
 
-// The handle is released at rest, grasped again at speed and then braked, repeatedly. The hand's mass must
-// return no more energy than it received. It would return more if it followed the handle while the hand is
-// away.
+// The handle is released at rest, grasped again while it moves, and then braked, repeatedly. The hand's mass
+// must return no more energy than it received. If the mass followed the handle while the hand is away, it
+// would return more.
 TEST(StartledRelease, MassStaysPassive) {
   std::mt19937 random(5);
   std::normal_distribution<double> gauss;
@@ -322,9 +328,9 @@ TEST(StartledRelease, MassStaysPassive) {
   }
 }
 
-// While the target rests, a shaken tool gains from the hand the energy that spring and mass held when the
-// incident began, plus the jerk's energy, and nothing else. Work is the sum of f v T at T = 0.1 ms: its error
-// is half a tick of the power at either end, 1 mJ at 20 W.
+// While the target rests, the tool is shaken. It may gain from the hand only two energies: the energy that
+// spring and mass held when the incident began, and the energy of the jerk. The work is the sum of f v T with
+// T = 0.1 ms. Its error is half a tick of the power at each end, 1 mJ at 20 W.
 TEST(HandIncidents, AddNoEnergyExceptTheJerks) {
   const double T = 1e-4, begin_s = 0.213, k_own = 1000.0, b = 20.0, mass_kg = 1.0;
   const HandSpring stiff{.stiffness_N_per_m = 6000.0, .damping_Ns_per_m = b};
@@ -353,7 +359,8 @@ TEST(HandIncidents, AddNoEnergyExceptTheJerks) {
       if (ticks++ == 0) {
         // the shaken tool stays below 0.2 m/s and 8 m/s^2
         held_J = 0.5 * mass_kg * 0.2 * 0.2;
-        if (std::holds_alternative<GripStep>(incident))  // the spring's pull balances f, damper and mass
+        if (std::holds_alternative<GripStep>(
+                incident))  // the spring's force balances f and the forces of damper and mass
           held_J += std::pow(f.norm() + b * v.norm() + mass_kg * 8.0, 2) / (2.0 * 6000.0);
         if (std::holds_alternative<StartledRelease>(incident))
           held_J += 0.5 * k_own * Shaken(t).squaredNorm();
@@ -367,8 +374,8 @@ TEST(HandIncidents, AddNoEnergyExceptTheJerks) {
   }
 }
 
-// The hand's bounds hold during a grip step and a startled release, for random motion. The script's force
-// limit holds outside both.
+// During a grip step and a startled release, the hand's bounds must hold for random motion. Outside both, the
+// script's force limit must hold as well.
 TEST(HandIncidents, StayWithinTheHandsForceBounds) {
   std::mt19937 random(99);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -393,7 +400,7 @@ TEST(HandIncidents, StayWithinTheHandsForceBounds) {
   }
 }
 
-// A trembling operator with four incidents of all kinds.
+// A trembling operator with four incidents, among them every kind.
 OperatorHandParams Eventful() {
   return {.tremor_N = 1.0,
           .tremor_seed = 4,
@@ -402,7 +409,8 @@ OperatorHandParams Eventful() {
                                     GripStep{.begin_s = 1.5}})};
 }
 
-// The same input gives the same bits, also after Reset(). An incident that has not begun changes no bit.
+// The same input must give the same bits, also after Reset(). An incident that has not yet begun must change
+// no bit.
 TEST(HandIncidents, GiveTheSameBitsForTheSameInput) {
   const auto run = [](OperatorHand& hand) {
     hand.Reset();

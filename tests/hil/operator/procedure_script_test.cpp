@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the script of an operator who works with several tools, one after the other.
+// Tests the script of an operator who works with several tools, one after the other.
 
 namespace osteon::hil {
 namespace {
@@ -20,8 +20,8 @@ ProcedureScriptParams TwoReamers() {
   return params;
 }
 
-// The head relative to the plan: height of its centre along the axis, its distance from the axis, and the
-// tool's tilt away from the axis.
+// Place of the head relative to the plan: height of its centre along the axis, distance of its centre from
+// the axis, and tilt of the tool from the axis.
 struct Place {
   double height_m, aside_m, tilt_rad;
 };
@@ -52,7 +52,7 @@ TEST(ProcedureScript, AnExpertReachesEachPlannedHeightOnTheAxisAndRetracts) {
 
 TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   ProcedureScriptParams params = TwoReamers();
-  // time that a script of `params` spends pushing with a tool
+  // time for which a script of `params` pushes with this tool
   const auto pushed_s = [&](const std::string& tool) {
     const HandScript script = MakeProcedureScript(params);
     int ms = 0;
@@ -69,7 +69,7 @@ TEST(ProcedureScript, TheLastToolIsPushedLonger) {
   params.seconds = 12.0;  // 5 s for the first tool, 7 s for the last
   EXPECT_NEAR(pushed_s("1"), 0.45 * 5.0, 0.02);
   EXPECT_NEAR(pushed_s("2"), 0.45 * 5.0 + 2.0, 0.02);
-  params.seconds = 8.0;  // less than that: the same for both
+  params.seconds = 8.0;  // too short for that, so both tools get the same time
   EXPECT_NEAR(pushed_s("1"), pushed_s("2"), 0.01);
   params.last_push_ratio = 0.5;
   EXPECT_THROW((void)MakeProcedureScript(params), std::invalid_argument);
@@ -95,7 +95,7 @@ TEST(ProcedureScript, ANoviceStaysTiltedAndOffTheAxis) {
   EXPECT_EQ(script.Sample(7.5).done_height_m, HandKey::kNever_m);
   const Place down = PlaceAt(script, 7.5, params.head_radius_m);
   EXPECT_NEAR(down.tilt_rad, params.tilt_rad, 1e-6);
-  // 4 mm along x, and along y the offset of the tilted axis at that depth below the plan's centre
+  // 4 mm along x; along y the offset of the tilted axis at this depth below the plan's centre
   const double below_m = params.past_plan_m - params.heights_m.front();
   EXPECT_NEAR(down.aside_m, std::hypot(0.004, below_m * std::sin(params.tilt_rad)), 1e-4);
 }

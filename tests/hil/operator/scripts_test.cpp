@@ -9,7 +9,7 @@
 
 #include "hil/operator/operator_hand.h"
 
-// Tests of the scripts for drilling a hole and for opening a site with a burr.
+// Tests the scripts for drilling a hole and for opening a site with a burr.
 
 namespace osteon::hil {
 namespace {
@@ -39,7 +39,7 @@ double TipHeight(const HandTarget& target) {
   return (TiltedSite().inverse() * target.X_WT.translation()).z();
 }
 
-// Properties of every script, tested with drilling and opening.
+// Tests properties of every script, with drilling and with opening.
 class Scripts : public testing::TestWithParam<const char*> {
  protected:
   static HandScript Make(double seconds = 10.0) {
@@ -63,7 +63,8 @@ TEST_P(Scripts, BeginAboveTheSiteAndEndAboveItOnTheAxis) {
   EXPECT_STREQ(script.PhaseName(10.5), "done");
 }
 
-// Central difference of the pose: error h^2/6 of the third derivative, here below 1e-8.
+// Compares the velocity with the central difference of the pose. The error is h^2/6 of the third derivative,
+// with the step h: below 1e-8 here.
 TEST_P(Scripts, VelocityIsTheDerivativeOfThePose) {
   const double h = 1e-5;
   for (const double seconds : {1.0, 10.0}) {
@@ -76,9 +77,10 @@ TEST_P(Scripts, VelocityIsTheDerivativeOfThePose) {
   }
 }
 
-// At each change of phase the velocity's slope must not jump. With a blend that is only C1, over a distance d
-// in time T, it would jump by 6 d / T^2, at least 0.1 m/s^2 here. The quintic's jerk, below 500 m/s^3 in the
-// shortest peck, over the 4 h between the samples leaves less than 2e-2 m/s^2.
+// The slope of the velocity must not jump when the phase changes. With a blend that is only C1, over the
+// distance d in the time T, it would jump by 6 d / T^2, at least 0.1 m/s^2 here. With the quintic, the jerk
+// (below 500 m/s^3 in the shortest peck) over the 4 h between the samples changes the slope by less than 2e-2
+// m/s^2.
 TEST_P(Scripts, TargetsAreTwiceContinuouslyDifferentiable) {
   const HandScript script = Make();
   const double h = 1e-5;
@@ -102,7 +104,8 @@ TEST_P(Scripts, TargetsStayBelowTheirSpeedLimitForAnyDuration) {
       const HandTarget target = script.Sample(u * seconds);
       const Vector3 v_C = TiltedSite().linear().transpose() * target.V_WT.v;
       ASSERT_LE(std::abs(v_C.z()), 0.2 + 1e-9) << seconds;
-      // across the axis, motion along the loop and its widening are at right angles, each within the bound
+      // across the axis, the motion along the loop and the motion that widens the loop are perpendicular, and
+      // each is below the bound
       ASSERT_LE(v_C.head<2>().norm(), std::numbers::sqrt2 * 0.2 + 1e-9) << seconds;
       ASSERT_EQ(target.V_WT.w.norm(), 0.0);
     }
@@ -124,7 +127,7 @@ TEST(DrillingScript, PecksDeeperEachTimeAndClearsTheHoleBetween) {
   for (const HandPhase& phase : script.phases()) {
     end += phase.duration_s;
     const HandTarget target = script.Sample(end - 1e-9);
-    EXPECT_LT(HeadInSite(script, target).head<2>().norm(), 1e-14);  // straight along the axis
+    EXPECT_LT(HeadInSite(script, target).head<2>().norm(), 1e-14);  // the head moves straight along the axis
     if (phase.name == "approach") {
       EXPECT_NEAR(TipHeight(target), 0.0, 1e-9);
     } else if (phase.name.starts_with("out")) {
@@ -138,7 +141,7 @@ TEST(DrillingScript, PecksDeeperEachTimeAndClearsTheHoleBetween) {
       EXPECT_LT(TipHeight(target), deepest_m);
       deepest_m = TipHeight(target);
     } else if (phase.name.starts_with("back")) {
-      // back to the depth of the previous peck, with the approach's force
+      // the tip is at the depth of the previous peck, and the force is that of the approach
       EXPECT_NEAR(TipHeight(target), -params.depth_m * pushes / 3.0, 1e-9);
       EXPECT_NEAR(target.force_limit_N, params.approach_force_N, 1e-9);
     }
@@ -153,21 +156,22 @@ TEST(OpeningScript, LoopsWidenToTheCircleWhileTheyDeepen) {
   const HandScript script = MakeOpeningScript(params);
   const double widest_m = params.site_radius_m - params.head_radius_m;
   double radius_before = 0.0, height_before = 1.0, widest_found = 0.0;
-  for (double t = 1.5; t <= 8.2; t += 1e-3) {  // from the approach's end to that of the last round
+  for (double t = 1.5; t <= 8.2; t += 1e-3) {  // from the end of the approach to the end of the last loop
     const Vector3 p_C = HeadInSite(script, script.Sample(t));
     const double radius = p_C.head<2>().norm();
     ASSERT_GE(radius, radius_before - 1e-12) << t;
     ASSERT_LE(p_C.z(), height_before + 1e-12) << t;
-    ASSERT_LE(radius, widest_m + 1e-12) << t;  // the burr's edge never leaves the circle
+    ASSERT_LE(radius, widest_m + 1e-12) << t;  // the edge of the burr must never leave the circle
     radius_before = radius;
     height_before = p_C.z();
     widest_found = std::max(widest_found, radius);
   }
   EXPECT_NEAR(widest_found, widest_m, 1e-12);
-  // the apex is below the full depth by the distance at which the hand pushes with the full force
+  // the target is deeper than the full depth by the distance at which the hand's spring pushes with the full
+  // force
   const double beyond_m = params.push_force_N / params.hand_stiffness_N_per_m;
   EXPECT_NEAR(TipHeight(script.Sample(7.5)), -params.depth_m - beyond_m, 1e-12);
-  // one loop for each period
+  // in each period, the head must go once around
   for (double t = 7.05; t < 7.35; t += 0.1)
     EXPECT_LT((HeadInSite(script, script.Sample(t)) - HeadInSite(script, script.Sample(t + 0.8))).norm(),
               1e-12);
@@ -175,7 +179,8 @@ TEST(OpeningScript, LoopsWidenToTheCircleWhileTheyDeepen) {
 
 TEST(OpeningScript, RefusesALoopAboveTheTargetsMaxSpeed) {
   OpeningScriptParams params = Opening();
-  params.site_radius_m = 0.0308;  // 30 mm of swing in 0.8 s: 0.236 m/s
+  params.site_radius_m =
+      0.0308;  // an opening of this radius needs a motion of 30 mm in 0.8 s: 0.236 m/s, too fast
   EXPECT_THROW((void)MakeOpeningScript(params), std::invalid_argument);
   params.loop_period_s = 1.0;
   EXPECT_NO_THROW((void)MakeOpeningScript(params));
@@ -192,8 +197,8 @@ TEST(HandScript, RefusesToBeginOrEndOffTheAxis) {
                std::invalid_argument);
 }
 
-// A burr held still in the middle of a widening loop feels the hand's spring sideways, and the script's force
-// along the axis.
+// A burr is held still in the middle of a widening loop. It must feel the hand's spring sideways, and the
+// script's force along the axis.
 TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
   const HandScript script = MakeOpeningScript(Opening());
   OperatorHand hand({.damping_Ns_per_m = 0.0, .mass_kg = 0.0}, script);
@@ -206,7 +211,8 @@ TEST(OpeningScript, HandPressesSidewaysWithItsSpring) {
   EXPECT_NEAR(f_C.z(), -4.0, 1e-9);
 }
 
-// Physiological tremor: all power of the force that tremor adds along a script lies in 8 … 12 Hz.
+// Physiological tremor: the force that tremor adds along a script must have all its power between 8 and 12
+// Hz.
 TEST(DrillingScript, TremorLiesBetween8And12Hertz) {
   const HandScript script = MakeDrillingScript(Drilling());
   const double force_N = 0.5;
@@ -215,7 +221,8 @@ TEST(DrillingScript, TremorLiesBetween8And12Hertz) {
   steady.Reset();
   shaking.Reset();
   constexpr int kSteps = 10000;
-  std::vector<double> along;  // one direction across the axis, where the force limit does not act
+  std::vector<double>
+      along;  // the force in one direction across the axis, where the force limit does not act
   const Vector3 x_W = TiltedSite().linear().col(0);
   for (int k = 0; k < kSteps; ++k) {
     const double t = 1.0 + 8e-4 * k;
@@ -223,7 +230,8 @@ TEST(DrillingScript, TremorLiesBetween8And12Hertz) {
     along.push_back(x_W.dot(shaking.Step(t, 8e-4, X_WT, {}).f - steady.Step(t, 8e-4, X_WT, {}).f));
   }
   double inside = 0.0, total = 0.0;
-  for (int line = 0; line < 240; ++line) {  // multiples of 1/8 Hz, up to 30 Hz; a Hann window
+  for (int line = 0; line < 240;
+       ++line) {  // spectral lines at multiples of 1/8 Hz up to 30 Hz, with a Hann window
     double re = 0.0, im = 0.0;
     for (int k = 0; k < kSteps; ++k) {
       const double window = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * k / kSteps);

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-// The simulated person at the panel: which stops they reset.
+// Tests the simulated person at the panel: after which stops the person presses reset.
 
 namespace osteon::hil {
 namespace {
 
-// Whether the person presses the reset button within one second, by which `now` advances.
-// @param connections  the number of connections to the PLC so far
+// Whether the person presses the reset button within one second. Advances `now` by up to this second.
+// @param connections  number of connections to the PLC so far
 bool Presses(PanelOperator& person, bool permitted, std::uint64_t connections, rt::Nanoseconds& now) {
   bool pressed = false;
   for (int cycle = 0; cycle < 100; ++cycle, now += 10 * rt::kMillisecond)

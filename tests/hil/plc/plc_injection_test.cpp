@@ -4,18 +4,18 @@
 
 #include "tests/hil/plc/modbus_context.h"
 
-// A scenario's faults on the simulated PLC's wire, seen by libmodbus' client.
+// Tests the faults that a scenario injects on the wire of the simulated PLC. The client is that of libmodbus.
 
 namespace osteon::hil {
 namespace {
 
-// Whether the PLC answers a read of its version register (977, value 3).
+// Whether the PLC answers when its version register is read (register 977, value 3).
 bool Read(const Context& client) {
   std::uint16_t version = 0;
   return modbus_read_registers(client.get(), 977, 1, &version) == 1 && version == 3;
 }
 
-// Faults on the PLC's wire, from and to seconds after the schedule's start.
+// Parameters with faults on the PLC's wire. from_s and to_s count from the start of the schedule.
 InjectionParams PlcFaults(double from_s, double to_s, const WireFaults& faults) {
   return {.injections = {{.wire = Wire::kPlc, .from_s = from_s, .to_s = to_s, .faults = faults}}};
 }
@@ -30,7 +30,7 @@ TEST(PlcInjection, ServerHangsDuringASilence) {
   injection.Step(rt::kSecond);
   EXPECT_EQ(injection.hangs(), 1u);
   modbus_set_response_timeout(client.get(), 0, 50'000);
-  // a request in progress may still be answered
+  // the first request may still be answered, if it was in progress
   EXPECT_FALSE(Read(client) && Read(client) && Read(client));
   injection.Step(2 * rt::kSecond);
   const Context next = Connect(server, 5000);
@@ -38,7 +38,7 @@ TEST(PlcInjection, ServerHangsDuringASilence) {
   EXPECT_EQ(injection.hangs(), 1u);
 }
 
-// TCP hides lost packets, so a loss in a scenario closes all connections once.
+// TCP hides lost packets. Therefore a loss in a scenario closes all connections once.
 TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
   PlcServer server({.port = 0});
   PlcInjection injection(server, PlcFaults(0.0, 1.0, {.loss = 0.1}));
@@ -55,7 +55,7 @@ TEST(PlcInjection, ALossDropsConnectionsOnceWhenItBegins) {
 }
 
 TEST(PlcInjection, AnswersAreDelayedByTheGivenTime) {
-  constexpr rt::Nanoseconds kDelay = 30 * rt::kMillisecond;  // not a multiple of the program's cycle
+  constexpr rt::Nanoseconds kDelay = 30 * rt::kMillisecond;  // not a multiple of the program's cycle time
   PlcServer server({.port = 0, .cycle_ms = 100});
   PlcInjection injection(server, PlcFaults(0.0, 1.0, {.delay = kDelay, .jitter = 5 * rt::kMillisecond}));
   const Context client = Connect(server, 5000);

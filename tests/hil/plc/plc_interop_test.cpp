@@ -1,4 +1,4 @@
-// The product's PLC client, which uses libmodbus, against the simulated PLC, which has its own codec.
+// Tests the product's PLC client, which uses libmodbus, with the simulated PLC, which has a codec of its own.
 
 #include <gtest/gtest.h>
 
@@ -13,11 +13,11 @@ namespace {
 using io::PlcLink;
 using io::PlcVerdict;
 
-// A simulated PLC with two clients, as in a cell: the controller and the guard. Until() stands for their
-// loops.
+// A simulated PLC with two clients, the controller and the guard, as in a cell. The function Until() replaces
+// their loops.
 class PlcCell : public ::testing::Test {
  protected:
-  // Starts the PLC and connects both clients; the guard requests motion.
+  // Starts the PLC and connects both clients. The guard requests motion.
   void Open(const PlcServerParams& params, int response_timeout_ms = 500) {
     server_ = std::make_unique<PlcServer>(params);
     const auto client = [&](io::PlcRole role) {
@@ -31,7 +31,7 @@ class PlcCell : public ::testing::Test {
     guard_ = client(io::PlcRole::kGuard);
     guard_->RequestMotion(true);
   }
-  // Runs both loops until `holds` is true; false after about 20 s.
+  // Runs both loops until `holds` is true. Returns false if that takes longer than about 20 s.
   bool Until(const std::function<bool()>& holds) {
     for (int i = 0; i < 20'000; ++i) {
       if (controller_lives_) controller_->NotifyAlive();
@@ -41,13 +41,13 @@ class PlcCell : public ::testing::Test {
     }
     return false;
   }
-  // The controller's verdict on its newest reading, which may be at most 1 s old.
+  // The controller's verdict on its newest reading. The reading may be at most 1 s old.
   PlcVerdict Verdict() { return io::Judge(controller_->Latest(), rt::MonotonicNow(), rt::kSecond); }
-  // Resets the PLC at its panel and requests motion; true once motion is permitted.
+  // Resets the PLC at its panel and requests motion. Returns true once motion is permitted.
   bool Start() {
     server_->SetPanel({.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1});
     if (!Until([&] { return (server_->outputs().blocks & 0x3f) == 0; }))
-      return false;  // both heartbeats arrive
+      return false;  // for example, a heartbeat is missing
     server_->SetPanel(
         {.enabling = EnablingSwitch::kMiddle, .foot_pedal = true, .mode = ModeSelector::kT1, .reset = true});
     if (!Until([&] { return DescribeBlocks(server_->outputs().blocks) == "not requested"; })) return false;
@@ -56,8 +56,7 @@ class PlcCell : public ::testing::Test {
     return Until([&] { return Verdict() == PlcVerdict::kRun; });
   }
 
-  // The heartbeat's timeout is an hour, so that only tests of the heartbeat depend on how busy the machine
-  // is.
+  // The heartbeat's timeout is an hour. So only the tests of the heartbeat depend on how busy the machine is.
   PlcServerParams params_{.port = 0, .logic = {.heartbeat_timeout = 3600 * rt::kSecond}};
   std::unique_ptr<PlcServer> server_;
   std::unique_ptr<io::PlcClient> controller_, guard_;
@@ -75,7 +74,7 @@ TEST_F(PlcCell, AGuardThatWithdrawsItsRequestStopsMotionUntilTheReset) {
   const auto written = guard_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return guard_->Latest().counters.writes > written + 2; }));
   EXPECT_EQ(Verdict(), PlcVerdict::kNotPermitted) << "latched";
-  controller_->RequestMotion(false);  // Start() needs a new request
+  controller_->RequestMotion(false);  // withdraws the request, because Start() must make a new one
   const auto withdrawn = controller_->Latest().counters.writes;
   ASSERT_TRUE(Until([&] { return controller_->Latest().counters.writes > withdrawn + 2; }));
   EXPECT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
@@ -98,8 +97,8 @@ TEST_F(PlcCell, StartsAndEveryRegisterArrives) {
   EXPECT_TRUE(Until([&] { return !controller_->Latest().inputs.power_on; })) << "whatever the software does";
 }
 
-// The client itself guards against this, not the PLC's program: a squeezed switch that is let go passes its
-// middle position, which must not count as enabled until the switch was released.
+// An enabling switch that was squeezed passes its middle position when it is let go. The middle position must
+// not count as enabled until the switch has been released. The client ensures this, not the PLC's program.
 TEST_F(PlcCell, ASqueezedSwitchCountsAsEnabledOnlyAfterItsRelease) {
   Open(params_);
   const auto shows = [&](EnablingSwitch set, io::PlcEnabling counts) {
@@ -121,7 +120,7 @@ TEST_F(PlcCell, ALoopThatHangsStopsMotion) {
     Open(params_);
     controller_lives_ = guard_lives_ = true;
     ASSERT_TRUE(Start()) << DescribeBlocks(server_->outputs().blocks);
-    (guard ? guard_lives_ : controller_lives_) = false;  // its Modbus thread continues
+    (guard ? guard_lives_ : controller_lives_) = false;  // its Modbus thread still runs
     EXPECT_TRUE(Until([&] { return Verdict() == PlcVerdict::kNotPermitted; }));
     const auto lost = static_cast<std::uint16_t>(guard ? PlcBlock::kGuardLost : PlcBlock::kControllerLost);
     EXPECT_TRUE(server_->outputs().blocks & lost) << DescribeBlocks(server_->outputs().blocks);
@@ -147,12 +146,12 @@ TEST_F(PlcCell, ALostConnectionIsMadeAgain) {
   EXPECT_GE(server_->counters().connections, 3u);
 }
 
-// One answer takes 30 ms with a timeout of 20 ms. The connection stays; only the reading grows older, and the
-// cell's max_age_ms limits its age.
+// One answer takes 30 ms, the timeout is 20 ms. The connection must stay open. Only the reading gets older,
+// and the cell's max_age_ms limits its age.
 TEST_F(PlcCell, OneLateAnswerKeepsTheConnection) {
   Open(params_, 20);
   ASSERT_TRUE(Start());
-  guard_.reset();  // so that the late answer is the controller's
+  guard_.reset();  // without the guard, the late answer is surely the controller's
   guard_lives_ = false;
   const io::PlcCounters before = controller_->Latest().counters;
   server_->DelayNextAnswer(30 * rt::kMillisecond);
@@ -177,7 +176,8 @@ TEST_F(PlcCell, ABusyPlcKeepsItsConnectionUntilTheReadingIsTooOld) {
   EXPECT_EQ(controller_->Latest().counters.lost, before.lost);
   EXPECT_GT(controller_->Latest().stamp, stamp);
   EXPECT_EQ(Verdict(), PlcVerdict::kRun);
-  // permanently: the registers are too old, and the screen gives the reason
+  // if the PLC is busy permanently, the registers become too old, and the text for the operator gives the
+  // reason
   server_->RefuseAsBusy(1'000'000);
   ASSERT_TRUE(Until([&] { return Verdict() == PlcVerdict::kStale; }));
   EXPECT_EQ(controller_->Latest().counters.lost, before.lost);

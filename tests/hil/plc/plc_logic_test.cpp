@@ -5,17 +5,18 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the simulated PLC's program: what blocks motion, what restores it, and when power is cut.
+// Tests the simulated PLC's program: what blocks motion, what restores it, and when power is switched off.
 
 namespace osteon::hil {
 namespace {
 
-// The PLC's program in virtual time, with a cycle of 10 ms. Both heartbeats count up unless switched off.
+// The PLC's program in virtual time, with a cycle of 10 ms. Both heartbeats count up unless a test switches
+// them off.
 class Bench {
  public:
   explicit Bench(const PlcLogicParams& params = {}) : plc(params) {}
 
-  // Runs the program for that time and returns its last outputs.
+  // Runs the program for this time [ms] and returns its last outputs.
   const PlcLogicOutputs& Run(int ms) {
     for (int i = 0; i < ms; i += 10) {
       now += 10 * rt::kMillisecond;
@@ -31,7 +32,7 @@ class Bench {
     in.reset = false;
     Run(10);
   }
-  // Withdraws the request for motion and makes it again.
+  // Withdraws the request for motion, then makes it again.
   void RequestAnew() {
     in.motion_request = false;
     Run(10);
@@ -69,7 +70,7 @@ TEST(PlcLogic, StartsBlockedAndEachInputRemovesItsBlock) {
   b.in.mode = ModeSelector::kT1;
   b.in.enabling = EnablingSwitch::kMiddle;
   EXPECT_EQ(DescribeBlocks(b.Run(10).blocks), "not requested, not reset");
-  b.in.motion_request = true;  // too early: it must be made while nothing is latched
+  b.in.motion_request = true;  // too early: the request must be made while no fault is latched
   b.Run(10);
   b.PressReset();
   EXPECT_EQ(DescribeBlocks(b.plc.outputs().blocks), "not requested");
@@ -79,17 +80,18 @@ TEST(PlcLogic, StartsBlockedAndEachInputRemovesItsBlock) {
   EXPECT_TRUE(b.plc.outputs().run_permitted && b.plc.outputs().power_on);
 }
 
-// Each cause alone, on a running cell: what it blocks, whether it clears by itself, and what restores motion.
+// Tests each cause alone on a running cell: which blocks it sets, whether motion returns by itself, and what
+// restores motion otherwise.
 TEST(PlcLogic, EachCauseStopsMotionAndItsRowTellsHowMotionReturns) {
   using Change = std::function<void(Bench&)>;
   struct Row {
     const char* name;
     Change cause;
-    int ms;  // time after which motion must be blocked
+    int ms;  // time after which motion must be blocked [ms]
     std::uint16_t blocks;
     Change undo;
-    bool returns_alone;         // motion returns when the cause is gone
-    bool returns_with_request;  // motion returns after a new request; otherwise a reset is needed first
+    bool returns_alone;         // motion returns as soon as the cause is gone
+    bool returns_with_request;  // motion returns after a new request; false: a reset is needed first
   };
   const auto nothing = [](Bench&) {};
   const std::uint16_t asked = Bit(PlcBlock::kNotRequested);
@@ -138,7 +140,7 @@ TEST(PlcLogic, EachCauseStopsMotionAndItsRowTellsHowMotionReturns) {
     EXPECT_FALSE(b.plc.outputs().run_permitted);
     EXPECT_EQ(b.plc.outputs().blocks, row.blocks) << DescribeBlocks(b.plc.outputs().blocks);
 
-    // power is cut 500 ms after the permission, in any case
+    // power is switched off 500 ms after the permission ends, whatever the cause
     EXPECT_TRUE(b.Run(480).power_on);
     EXPECT_FALSE(b.Run(30).power_on);
 
@@ -175,7 +177,7 @@ TEST(PlcLogic, ResetDoesNothingWhileTheCauseLasts) {
 TEST(PlcLogic, AHeldResetButtonResetsOnce) {
   Bench b;
   b.Start();
-  b.in.reset = true;  // held from now on, as if taped down
+  b.in.reset = true;  // the button stays pressed from now on, as if it were taped down
   b.Run(50);
   b.in.emergency_stop = true;
   b.Run(10);
@@ -183,8 +185,8 @@ TEST(PlcLogic, AHeldResetButtonResetsOnce) {
   EXPECT_TRUE(b.Run(100).emergency_stop);
 }
 
-// Power is cut 500 ms after the last permission. A pause of 300 ms ends, and a second pause starts the delay
-// anew.
+// Power is switched off 500 ms after the permission was last given. A pause of 300 ms ends in time, and a
+// second pause starts the delay from the beginning.
 TEST(PlcLogic, PowerStaysOnDuringAShortPause) {
   Bench b;
   b.Start();
@@ -220,12 +222,12 @@ TEST(PlcLogic, AConstantHeartbeatCountsAsNoController) {
 
 TEST(PlcLogic, HeartbeatMayWrapAround) {
   Bench b;
-  b.in.controller_heartbeat = 65'500;  // passes 65535 within the next 400 ms
+  b.in.controller_heartbeat = 65'500;  // the counter passes 65535 and wraps around within the next 400 ms
   b.Start();
   EXPECT_TRUE(b.Run(1000).run_permitted);
 }
 
-// A clock that jumps back by 1 s neither cuts the power early nor lengthens the delay of 500 ms.
+// The clock jumps back by 1 s. This must neither switch the power off early nor lengthen the delay of 500 ms.
 TEST(PlcLogic, AClockThatGoesBackDoesNotChangeThePowerDelay) {
   Bench b;
   b.Start();

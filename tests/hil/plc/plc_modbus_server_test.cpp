@@ -5,14 +5,14 @@
 
 #include <gtest/gtest.h>
 
-// Tests of the simulated PLC's Modbus TCP codec, with right, wrong and damaged requests.
+// Tests the Modbus TCP codec of the simulated PLC, with right, wrong and damaged requests.
 
 namespace osteon::hil {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Registers of a small PLC: 970 and 971 are read-only, 990 and 991 can be written.
+// The registers of a small PLC: 970 and 971 are read-only, 990 and 991 are writable.
 struct Memory {
   std::map<std::uint16_t, std::uint16_t> cells{{970, 0x0102}, {971, 3}, {990, 0}, {991, 0}};
   int writes{0};
@@ -32,7 +32,7 @@ struct Memory {
   }
 };
 
-// Frames of the Modbus TCP specification with the registers of this project: 970 = 03 ca, 990 = 03 de.
+// Frames of the Modbus TCP specification, but with this project's registers: 970 = 03 ca, 990 = 03 de.
 TEST(ModbusServer, AnswersTheSpecificationsFramesByteForByte) {
   Memory memory;
   const auto registers = memory.registers();
@@ -50,24 +50,24 @@ TEST(ModbusServer, AnswersTheSpecificationsFramesByteForByte) {
 TEST(ModbusServer, AnswersBadRequestsWithAnExceptionAndWritesNothing) {
   struct Case {
     Bytes pdu;
-    int exception;  // Modbus exception code: 1 function, 2 address, 3 value
+    int exception;  // Modbus exception code: 1 for a wrong function, 2 for an address, 3 for a value
   };
   for (const Case& c : {
-           Case{{4, 0x03, 0xca, 0, 1}, 1},                  // function 4, read input registers
-           Case{{0x83}, 1},                                 // an answer's function code
-           Case{{3, 0x03, 0xca, 0, 0}, 3},                  // no register
-           Case{{3, 0x03, 0xca, 0, 126}, 3},                // more than 125 registers
-           Case{{3, 0x03, 0xca, 0, 3}, 2},                  // beyond the map
-           Case{{3, 0xff, 0xff, 0, 2}, 2},                  // beyond the address space
-           Case{{3, 0x03, 0xca, 0}, 3},                     // cut off
-           Case{{3}, 3},                                    // cut off
-           Case{{6, 0x03, 0xca, 0, 1}, 2},                  // read-only
-           Case{{6, 0x03, 0xde, 0}, 3},                     // cut off
-           Case{{16, 0x03, 0xde, 0, 2, 4, 0, 1}, 3},        // fewer bytes than announced
+           Case{{4, 0x03, 0xca, 0, 1}, 1},            // function 4 (read input registers) is not supported
+           Case{{0x83}, 1},                           // function code of an answer
+           Case{{3, 0x03, 0xca, 0, 0}, 3},            // number of registers is 0
+           Case{{3, 0x03, 0xca, 0, 126}, 3},          // more than 125 registers
+           Case{{3, 0x03, 0xca, 0, 3}, 2},            // third register beyond the map
+           Case{{3, 0xff, 0xff, 0, 2}, 2},            // beyond the address space
+           Case{{3, 0x03, 0xca, 0}, 3},               // request is cut off
+           Case{{3}, 3},                              // request is cut off
+           Case{{6, 0x03, 0xca, 0, 1}, 2},            // write to a read-only register
+           Case{{6, 0x03, 0xde, 0}, 3},               // request is cut off
+           Case{{16, 0x03, 0xde, 0, 2, 4, 0, 1}, 3},  // fewer bytes than announced
            Case{{16, 0x03, 0xde, 0, 2, 2, 0, 1, 0, 2}, 3},  // byte count for one register, not two
            Case{{16, 0x03, 0xdf, 0, 2, 4, 0, 1, 0, 2}, 2},  // the second register does not exist
            Case{{16, 0xff, 0xff, 0, 2, 4, 0, 1, 0, 2}, 2},  // beyond the address space
-           Case{{16, 0x03, 0xde, 0, 0, 0}, 3},              // no register
+           Case{{16, 0x03, 0xde, 0, 0, 0}, 3},              // number of registers is 0
        }) {
     Memory memory;
     Bytes request{0, 1, 0, 0, 0, static_cast<std::uint8_t>(c.pdu.size() + 1), 1};
@@ -94,7 +94,8 @@ TEST(ModbusServer, FindsWholeIncompleteAndBrokenFramesInAStream) {
   EXPECT_EQ(FrameOf(Bytes{0, 1, 0, 0, 0xff, 0xff}).state, MbapState::kBroken);
 }
 
-// A write of two registers with one to three bytes changed at random, and sometimes cut off.
+// A write request for two registers, in which one to three bytes are changed at random. Sometimes it is also
+// cut off.
 TEST(ModbusServer, DamagedRequestsWriteOnlyWritableRegisters) {
   constexpr unsigned kSeed = 20240932;
   SCOPED_TRACE(kSeed);

@@ -12,7 +12,7 @@
 #include "tests/hil/plc/modbus_context.h"
 #include "tests/io/net/loopback_socket.h"
 
-// The simulated PLC's server, with libmodbus' client and with bytes that are not Modbus.
+// Tests the server of the simulated PLC, with the client of libmodbus and with bytes that are not Modbus.
 
 namespace osteon::hil {
 namespace {
@@ -23,7 +23,7 @@ TEST(PlcServer, LibmodbusReadsAndWritesItsRegisters) {
   const Context client = Connect(server);
   std::array<std::uint16_t, 14> block{};
   const rt::Nanoseconds latest = rt::MonotonicNow() + 10 * rt::kSecond;
-  while (block[0] != 2 && rt::MonotonicNow() < latest)  // until a cycle of the program has seen the panel
+  while (block[0] != 2 && rt::MonotonicNow() < latest)  // until a cycle of the program has read the panel
     ASSERT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << modbus_strerror(errno);
   EXPECT_EQ(block[0], 2);
   EXPECT_EQ(block[3], 1) << "brake test";
@@ -48,12 +48,13 @@ TEST(PlcServer, LibmodbusReadsAndWritesItsRegisters) {
   EXPECT_EQ(modbus_read_registers(client.get(), 970, 14, block.data()), 14) << "and goes on";
 }
 
-// A TCP connection that sends any bytes.
+// A TCP connection that can send any bytes.
 class RawClient : public io::test::LoopbackSocket {
  public:
   explicit RawClient(std::uint16_t port) : LoopbackSocket(SOCK_STREAM) { Connect(port); }
 
-  // Number of bytes received next: 0 if the server closed, -1 if nothing came for five seconds.
+  // Number of bytes that are received next. 0: the server has closed the connection; -1: nothing was received
+  // for five seconds.
   [[nodiscard]] ssize_t Receive() const {
     const auto bytes = LoopbackSocket::Receive(5000);
     return bytes ? static_cast<ssize_t>(bytes->size()) : -1;

@@ -1,5 +1,5 @@
-// A simulated cell whose arm is a KR robot that speaks RSI, in lockstep with the product's RSI session: the
-// hand, the drives' power, restarts, and faults on the wire.
+// Tests a simulated cell whose arm is a KR robot that speaks RSI, in lockstep with the product's RSI session:
+// the hand, the drives' power, restarts, and faults on the wire.
 
 #include <cmath>
 #include <numbers>
@@ -19,9 +19,9 @@ namespace {
 using control::SessionState;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr rt::Nanoseconds kCycle = 4 * rt::kMillisecond;  // of RSI
+constexpr rt::Nanoseconds kCycle = 4 * rt::kMillisecond;  // cycle time of RSI
 
-// A KR 16 with tool and base at general poses. RSI ends after 20 answers that came late.
+// A KR 16 whose tool and base have general poses. RSI ends after 20 late answers.
 SimulatedCellParams Params() {
   SimulatedCellParams params;
   RsiArmParams& kr = params.kr.emplace();
@@ -37,12 +37,12 @@ SimulatedCellParams Params() {
   return params;
 }
 
-// Parameters of a session that fits the cell's controller.
+// Parameters of an RSI session that fit the cell's controller.
 io::RsiSessionParams SessionParams(const SimulatedCellParams& params) {
   return {.timeout_cycles = params.kr->controller.timeout_cycles, .arm = params.kr->controller.arm};
 }
 
-// Pose of the tool in W at the start, by the closed-form kinematics.
+// Pose of the tool in W at the start, computed by the closed-form kinematics.
 Pose StartPose(const SimulatedCellParams& params) {
   const kinematics::OrthoParallelArm arm(params.kr->controller.arm);
   const kinematics::JointVectorN<6> q(params.q_start.data());
@@ -56,8 +56,8 @@ HandScript Script(const SimulatedCellParams& params) {
   return MakeReamingScript({.X_WC = X_WC, .seconds = 4});
 }
 
-// Stands for the control loop: once the session is active, commands all axes along a slow cosine that begins
-// at the pose of the activation.
+// Replaces the control loop. Once the session is active, it commands all axes along a slow cosine that begins
+// at the pose at which the session became active.
 class Client {
  public:
   explicit Client(const io::RsiSessionParams& params) : session(params) {}
@@ -84,11 +84,11 @@ class Client {
 };
 
 struct Outcome {
-  std::vector<std::uint8_t> bytes;  // all messages of the cell
+  std::vector<std::uint8_t> bytes;  // all messages that the cell has sent
   CellState end;
 };
 
-// Runs cell and client for that many cycles without faults.
+// Runs cell and client for this number of cycles without faults.
 Outcome RunCell(const SimulatedCellParams& params, int cycles) {
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
@@ -124,7 +124,7 @@ TEST(RsiCell, TheHandHoldsTheToolAtTheMeasuredPose) {
   EXPECT_EQ(run.end.counters.answered, run.end.counters.sent - 1) << "the last is not judged yet";
 }
 
-// The tool's velocity against the difference of its poses, at both levels of the arm's simulation.
+// Compares the tool's velocity with the difference of its poses, at both levels of the arm's simulation.
 TEST(RsiCell, ToolVelocityIsTheDerivativeOfItsPose) {
   for (const ArmLevel level : {ArmLevel::kKinematic, ArmLevel::kServo}) {
     SimulatedCellParams params = Params();
@@ -140,17 +140,18 @@ TEST(RsiCell, ToolVelocityIsTheDerivativeOfItsPose) {
     const Vector3 before = states[297].X_WT_meas.p, after = states[299].X_WT_meas.p;
     const Vector3 v = states[298].v_WT_meas_m_per_s, difference = (after - before) / 0.008;
     EXPECT_GT(v.norm(), 0.01);
-    // kinematic: a backward difference, half a cycle older; the motion's acceleration is below 0.1 m/s^2
+    // at the kinematic level the velocity is a backward difference, which is half a cycle older; the
+    // acceleration is below 0.1 m/s^2
     EXPECT_LT((v - difference).norm(), 0.1 * 0.004) << static_cast<int>(level);
   }
 }
 
-// The PLC switches the drives on, off and on again.
+// The PLC switches the power of the drives on, off and on again.
 TEST(RsiCell, RsiEndsWithoutPowerAndBeginsAnewWithIt) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
   Client client(SessionParams(params));
-  cell.SetPower(false);  // the PLC has not switched it on yet
+  cell.SetPower(false);  // the PLC has not yet switched the power on
   EXPECT_TRUE(cell.Step(kCycle).empty());
   EXPECT_EQ(cell.state().session, SessionState::kIdle);
   EXPECT_EQ(DescribeStop(cell.state()), "the drives have no power");
@@ -183,8 +184,8 @@ TEST(RsiCell, RsiEndsWithoutPowerAndBeginsAnewWithIt) {
   EXPECT_EQ(cell.state().counters.sent, 300u + 105u) << "counts go on";
 }
 
-// If nobody answers, RSI ends after 20 cycles and the robot's program starts it again 1 s later, so a PC that
-// comes late is commanded as usual.
+// If nobody answers, RSI ends after 20 cycles, and the robot's program starts it again 1 s later. So a PC
+// that connects late can command the arm as usual.
 TEST(RsiCell, WaitsForAPcThatComesLate) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
@@ -216,7 +217,7 @@ TEST(RsiCell, BeginsAgainAfterALossOnlyIfConfigured) {
       client.Accept(cell.Step(now), now);
       cell.Receive(client.Answer());
     }
-    for (int k = 0; k < 200; ++k) cell.Step(now += kCycle);  // the PC is away for 0.8 s
+    for (int k = 0; k < 200; ++k) cell.Step(now += kCycle);  // the PC does not answer for 0.8 s
     EXPECT_EQ(cell.state().rsi_stop.reason, RsiStopReason::kTimeout);
     EXPECT_EQ(cell.state().delay, 20u);
     for (int k = 0; k < 200; ++k) {
@@ -230,8 +231,8 @@ TEST(RsiCell, BeginsAgainAfterALossOnlyIfConfigured) {
   }
 }
 
-// Step(now, false): the cell itself was late. The unanswered cycles raise Delay, because the PC reads from it
-// that its answers had no effect, but they do not end RSI.
+// Step(now, false) means that the cell itself was late. The unanswered cycles must raise the counter Delay,
+// because Delay tells the PC that its answers had no effect. They must not end RSI.
 TEST(RsiCell, LatenessOfTheCellItselfDoesNotEndRsi) {
   const SimulatedCellParams params = Params();
   SimulatedCell cell(params, Script(params));
@@ -248,7 +249,7 @@ TEST(RsiCell, LatenessOfTheCellItselfDoesNotEndRsi) {
   EXPECT_EQ(cell.state().delay, 29u);
 }
 
-// Each lost message and each lost answer costs exactly one cycle; Delay counts both.
+// Each lost message and each lost answer must cost exactly one cycle. The counter Delay must count both.
 TEST(RsiCell, ClientAndCellCountTheLossesOnTheWire) {
   SimulatedCellParams params = Params();
   params.kr->controller.timeout_cycles = 1000;

@@ -13,9 +13,9 @@
 #include "tests/io/rsi/rsi_oracle.h"
 #include "tests/io/rsi/xml_tree.h"
 
-// Tests of the files that are copied to a KR's controller (config/controllers/rsi). Messages derived from
-// their Ethernet configuration must equal, byte for byte, those of io/rsi and of the simulated controller;
-// the RSI contexts must connect each channel to the right axis.
+// Tests the files that are copied to a KR's controller (config/controllers/rsi). The messages that follow
+// from their Ethernet configuration must equal, byte for byte, the messages of io/rsi and of the simulated
+// controller. The RSI contexts must connect each channel to the right axis.
 
 namespace osteon::hil {
 namespace {
@@ -26,8 +26,8 @@ using testing::HasSubstr;
 
 const std::filesystem::path kFiles = std::filesystem::path(OSTEON_SOURCE_DIR) / "config/controllers/rsi";
 
-// An Ethernet configuration with its contexts, and the parameters of io/rsi and of the simulated controller
-// that belong to it.
+// An Ethernet configuration with its RSI contexts, and the parameters of io/rsi and of the simulated
+// controller that fit it.
 struct Configuration {
   std::string ethernet;
   std::vector<std::string> contexts;
@@ -53,12 +53,12 @@ const std::array<Configuration, 3> kConfigurations{{
      RsiFormat::kKroshu},
 }};
 
-// The elements of SEND or RECEIVE in an Ethernet configuration.
+// The elements of an Ethernet configuration in one direction, SEND or RECEIVE.
 const std::vector<XmlNode>& Elements(const XmlNode& root, const char* direction) {
   return root.At(direction).At("ELEMENTS").children;
 }
 
-// A message whose values differ, so that an exchange of two values shows.
+// A message in which all values differ, so that an exchange of two values would be noticed.
 const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.5, 179.75},
                           .pose_set = {1180.0, -20.0, 1290.0, -179.0, 0.25, 180.0},
                           .axes_measured = {1.5, -90.25, 90.125, 0.0, 89.5, -0.0625},
@@ -69,7 +69,8 @@ const RobMessage kNumbers{.pose_measured = {1180.5, -20.25, 1290.125, -180.0, 0.
                           .ipoc = 4'208'163'634};
 
 // The message <Rob> that a controller with this configuration sends, by the rules of RSI: a tag DEF_name
-// stands for an internal value with fixed attributes, IPOC is always last, numbers have `precision` decimals.
+// stands for an internal value with fixed attributes, IPOC is always the last element, and numbers have
+// `precision` decimals.
 std::string ExpectedRobMessage(const XmlNode& root, int precision) {
   const std::map<std::string, std::pair<const Six*, std::array<const char*, 6>>> internal{
       {"RIst", {&kNumbers.pose_measured, {"X", "Y", "Z", "A", "B", "C"}}},
@@ -99,10 +100,10 @@ std::string ExpectedRobMessage(const XmlNode& root, int precision) {
 }
 
 // The answer <Sen> that a controller with this configuration expects: the tags of RECEIVE in their order.
-// Tags with a dot are attributes of one element.
+// Tags with a dot are the attributes of one element.
 std::string ExpectedSenMessage(const XmlNode& root, const Six& correction, bool stop, int decimals) {
   std::string text = "<Sen Type=\"" + root.At("CONFIG").At("SENTYPE").text + "\">";
-  std::string open;  // element that is being written
+  std::string open;  // name of the element that is being written
   std::size_t next = 0;
   for (const XmlNode& element : Elements(root, "RECEIVE")) {
     const std::string tag = element.Of("TAG");
@@ -191,15 +192,15 @@ TEST(RsiControllerFiles, NameThePortOnWhichTheLinkListens) {
   EXPECT_EQ(port("OsteonEthernetKroshu.xml"), "59152") << "the layout's own";
 }
 
-// An object of an RSI context, in either format. RSI 3 counts channels and axes from 1, later versions from
-// 0.
+// An object of an RSI context, in the format of RSI 3 or of later versions. RSI 3 counts channels and axes
+// from 1, later versions count from 0.
 struct Object {
-  std::map<int, int> source;  // input, from 1 → channel of the Ethernet object, from 1
+  std::map<int, int> source;  // input of the object (from 1) → channel of the Ethernet object (from 1)
   std::map<std::string, std::string> parameters;
   double Number(const std::string& name) const { return std::stod(parameters.at(name)); }
 };
 
-// The objects of a context file by their type in capital letters, e.g. "AXISCORR".
+// The objects in a context file. The key is the object's type in capital letters, e.g. "AXISCORR".
 std::map<std::string, Object> ObjectsOf(const std::string& context) {
   const bool rsi_3 = context.ends_with(".rsi.xml");
   const int base = rsi_3 ? 0 : 1;
@@ -248,8 +249,9 @@ TEST(RsiControllerFiles, ContextsConnectEachCorrectionToItsAxis) {
     }
 }
 
-// Three bounds on a correction, each wider than the one before: the session limits its command, the monitor
-// (AXISCORRMON) ends RSI with a message, and the correction object (AXISCORR) clips silently.
+// A correction has three bounds, each wider than the previous one: the session limits its command, the
+// monitor (AXISCORRMON) ends RSI with a message, and the correction object (AXISCORR) clips without a
+// message.
 TEST(RsiControllerFiles, MonitorLimitsLieBetweenTheSessionsRangeAndTheSilentLimits) {
   const io::RsiSessionParams session;
   for (const char* context : {"OsteonContext.rsi.xml", "OsteonContext.rsix", "OsteonContextKroshu.rsix"}) {
@@ -279,7 +281,7 @@ TEST(RsiControllerFiles, TheRobotProgramStartsRsiInTheSessionsMode) {
   EXPECT_THAT(program, HasSubstr("RSI_CREATE(\"OsteonContext\""));
   EXPECT_THAT(program, HasSubstr(fmt::format("RSI_ON({},{})", session.absolute ? "#ABSOLUTE" : "#RELATIVE",
                                              session.cycle_ms == 4 ? "#IPO_FAST" : "#IPO")));
-  // The link must listen before RSI begins: the program halts in between.
+  // The PC's link must listen before RSI begins. Therefore the program halts between RSI_CREATE and RSI_ON.
   EXPECT_LT(program.find("RSI_CREATE("), program.find("RSI_ON("));
   EXPECT_LT(program.rfind("\nHALT\n", program.find("RSI_ON(")), program.find("RSI_ON("));
 }

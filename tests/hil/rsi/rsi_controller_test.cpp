@@ -9,7 +9,7 @@
 
 #include "tests/kinematics/kr_arms.h"
 
-// Tests of the simulated KR controller: IPOC, corrections, missing and late answers, and its monitors.
+// Tests the simulated KR controller: IPOC, corrections, missing and late answers, and its monitors.
 
 namespace osteon::hil {
 namespace {
@@ -20,12 +20,13 @@ RsiControllerParams Params() {
   RsiControllerParams params;
   params.arm = kinematics::Kr6R900Params();
   params.first_ipoc = 1000;
-  params.axis_speed_ratio = std::numeric_limits<double>::infinity();  // corrections in these tests are steps
+  params.axis_speed_ratio = std::numeric_limits<double>::infinity();  // no speed limit, because corrections
+                                                                      // in these tests are steps
   return params;
 }
 
-// Sends the answer to the message `ipoc` with corrections in degrees (axes A1 … A6), or in mm and degrees (X,
-// Y, Z, A, B, C) if `cartesian`. True if the controller accepts it.
+// Sends the answer to the message with this IPOC. The corrections are in degrees for the axes A1 … A6, or, if
+// `cartesian`, in mm and degrees for X, Y, Z, A, B, C. Returns whether the controller accepts the answer.
 bool Send(RsiController& controller, std::uint64_t ipoc, const Six& c, bool cartesian = false) {
   const std::string text =
       cartesian ? fmt::format(R"(<Sen Type="ImFree"><RKorr X="{}" Y="{}" Z="{}" A="{}" B="{}" C="{}"/>)"
@@ -37,7 +38,7 @@ bool Send(RsiController& controller, std::uint64_t ipoc, const Six& c, bool cart
   return controller.Receive({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-// Runs one cycle with an answer in time.
+// Runs one cycle with an answer that is in time.
 void Cycle(RsiController& controller, const Six& correction, bool cartesian = false) {
   ASSERT_FALSE(controller.Step().empty());
   ASSERT_TRUE(Send(controller, controller.state().ipoc, correction, cartesian)) << controller.last_error();
@@ -78,11 +79,12 @@ TEST(RsiController, RelativeCorrectionsAddUp) {
   EXPECT_NEAR(controller.state().axes_set_deg[0], 10.0, 1e-9);
 }
 
-// A cycle without an answer: the last correction is held or dropped, as the table of io/rsi/README.md says.
+// One cycle gets no answer. HOLDON decides whether the last correction is held or dropped (table in
+// io/rsi/README.md).
 TEST(RsiController, HoldOnDecidesWhatAMissingAnswerDoes) {
   struct Row {
     bool absolute, hold_on;
-    double after_deg;  // of A1, after answers of 2 and 3 deg and one cycle without
+    double after_deg;  // position of A1 [deg] after answers with 2 and 3 deg and one cycle without an answer
   };
   for (const Row& row :
        {Row{true, true, 3.0}, Row{true, false, 0.0}, Row{false, true, 8.0}, Row{false, false, 5.0}}) {
@@ -94,15 +96,15 @@ TEST(RsiController, HoldOnDecidesWhatAMissingAnswerDoes) {
     Cycle(controller, {3, 0, 0, 0, 0, 0});
     controller.Step();
     EXPECT_EQ(controller.state().delay, 0u);
-    controller.Step();  // nobody answered
+    controller.Step();  // this cycle got no answer
     EXPECT_NEAR(controller.state().axes_set_deg[0], row.after_deg, 1e-9) << row.absolute << row.hold_on;
     EXPECT_EQ(controller.state().delay, 1u);
     EXPECT_EQ(controller.state().counters.missed, 1u);
   }
 }
 
-// Without HOLDON a missing answer sets the absolute correction of 20 deg to zero at once. The axis returns at
-// its own highest speed, 360 deg/s.
+// Without HOLDON, a missing answer sets the absolute correction of 20 deg to zero at once. The axis then
+// returns at its highest speed, 360 deg/s.
 TEST(RsiController, WithHoldOnZeroAMissingAnswerSendsTheArmBackToItsStart) {
   RsiControllerParams params = Params();
   params.hold_on = false;
@@ -142,7 +144,8 @@ TEST(RsiController, LateAnswersRaiseDelayUntilTimeoutEndsRsi) {
   EXPECT_TRUE(controller.Step().empty()) << "and stays silent";
 }
 
-// Every second answer is missing. Counted all, they end RSI at 4; counted in a row, they never do.
+// Every second answer is missing. If Delay counts all missing answers, they end RSI at 4. If it counts only
+// those in a row, they never end RSI.
 TEST(RsiController, DelayCountsAllMissingAnswersOrOnlyThoseInARow) {
   for (const bool in_a_row : {false, true}) {
     RsiControllerParams params = Params();
@@ -200,7 +203,8 @@ TEST(RsiController, CorrectionsOutOfRangeEndRsi) {
   }
 }
 
-// 28.64 deg in a cycle of 4 ms would be 7160 deg/s: the controller stops with its message KSS01102.
+// A set point that is 28.64 deg away within a cycle of 4 ms would need 7160 deg/s. The controller must stop
+// with its message KSS01102.
 TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;
@@ -212,13 +216,14 @@ TEST(RsiController, ASetPointFasterThanItsAxisEndsRsiAndIsNotFollowed) {
   EXPECT_EQ(Describe(controller.state().stop),
             "axis speed: A5 told to move at 7160 deg/s, accepted 450 (KSS01102)");
   EXPECT_NEAR(controller.state().axes_set_deg[4], 90.0, 1e-9) << "the set point stays";
-  RsiController slower(params);  // 447.5 deg/s for a while; the axis's own limit is 450
+  RsiController slower(
+      params);  // this motion needs 447.5 deg/s for some cycles; the axis's own limit is 450 deg/s
   for (int k = 1; k <= 15; ++k) Cycle(slower, {0, 0, 0, 0, -1.79 * k, 0});
   EXPECT_FALSE(slower.Step().empty()) << Describe(slower.state().stop);
 }
 
-// HOLDON 0 with absolute corrections, on an arm that monitors the speed of its axes: a single missing answer
-// asks for a jump of 10 deg back to the start.
+// HOLDON is 0, the corrections are absolute, and the arm monitors the speed of its axes. A single missing
+// answer then demands a jump of 10 deg back to the start, which the monitor must stop.
 TEST(RsiController, WithHoldOnZeroAMissingAnswerExceedsTheAxisSpeed) {
   RsiControllerParams params = Params();
   params.axis_speed_ratio = 1.0;

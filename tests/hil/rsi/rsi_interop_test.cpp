@@ -1,5 +1,5 @@
-// RSI between the simulated KR and the product's session. Each has its own reader and writer of the protocol;
-// they must agree, in lockstep and over UDP.
+// Tests RSI between the simulated KR and the product's session. Each side has its own reader and writer of
+// the protocol. Both must agree, in lockstep and over UDP.
 
 #include <cmath>
 #include <limits>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Parameters of the simulated controller and of the session that fits it.
+// Parameters of the simulated controller, and of a session that fits it.
 struct BothSides {
   RsiControllerParams controller;
   io::RsiSessionParams session;
@@ -37,7 +37,7 @@ BothSides MakeBothSides(bool kroshu, bool cartesian, bool absolute, bool hold_on
   setup.controller.ipoc_step = ipoc_step;
   setup.controller.timeout_cycles = 1'000'000;
   setup.controller.range = {900, 900, 900, 90, 90, 90};
-  // no limit on the axes' speed: the tests contain steps and jumps
+  // no speed limit of the axes, because the tests contain steps and jumps
   setup.controller.axis_speed_ratio = std::numeric_limits<double>::infinity();
   setup.session = {.layout = kroshu ? io::RsiLayout::kKroshu : io::RsiLayout::kImFree,
                    .kind = cartesian ? io::RsiCorrection::kCartesian : io::RsiCorrection::kAxes,
@@ -51,7 +51,8 @@ BothSides MakeBothSides(bool kroshu, bool cartesian, bool absolute, bool hold_on
   return setup;
 }
 
-// The joint command after t_s seconds: each axis moves along a slow sine of 4 deg that begins at the start.
+// The joint command at the time t_s [s]. Each axis moves along a slow sine of 4 deg that begins at the start
+// position.
 control::ArmCommand SineCommand(const Six& start_deg, double t_s, std::uint32_t activation) {
   control::ArmCommand command;
   command.activation = activation;
@@ -79,7 +80,7 @@ TEST(RsiInterop, ArmFollowsTheCommandInEveryMode) {
             for (int k = 0; k < 300; ++k) {
               const rt::Nanoseconds now = (1 + k) * rt::kMillisecond * cycle_ms;
               const auto message = controller.Step();
-              if (k > 11) {  // the previous answer is in force now
+              if (k > 11) {  // the controller now uses the previous answer
                 for (std::size_t i = 0; i < 6; ++i)
                   ASSERT_NEAR(controller.state().axes_set_deg[i], command.q[i] / kDegree, 2e-3) << k;
               }
@@ -97,8 +98,8 @@ TEST(RsiInterop, ArmFollowsTheCommandInEveryMode) {
           }
 }
 
-// Relative corrections add up on both sides. With a tenth of the messages lost and a tenth of the answers
-// late, the session's sum must equal the controller's in every cycle, or the arm would drift.
+// Relative corrections are summed on both sides. A tenth of the messages are lost and a tenth of the answers
+// are late. The session's sum must equal the controller's in every cycle; otherwise the arm would drift.
 TEST(RsiInterop, SumsOfRelativeCorrectionsAgreeDespiteLosses) {
   for (const bool hold_on : {false, true})
     for (const bool in_a_row : {false, true}) {
@@ -116,7 +117,7 @@ TEST(RsiInterop, SumsOfRelativeCorrectionsAgreeDespiteLosses) {
       for (int k = 0; k < 5000; ++k) {
         const auto message = controller.Step();
         const bool lost = k > 20 && random() % 10 == 0, delayed = k > 20 && random() % 10 == 0;
-        if (!late.empty()) controller.Receive(late);  // after its cycle
+        if (!late.empty()) controller.Receive(late);  // arrives after its cycle
         late.clear();
         losses += lost || delayed ? 1 : 0;
         if (lost) continue;
@@ -136,8 +137,8 @@ TEST(RsiInterop, SumsOfRelativeCorrectionsAgreeDespiteLosses) {
     }
 }
 
-// RSI ends while the PC is away and starts again: the arm is at 8 deg and must stay within 0.1 deg of its
-// command.
+// RSI ends because the PC does not answer, and is started again. The arm is then at 8 deg and must stay
+// within 0.1 deg of its command.
 TEST(RsiInterop, AfterTimeoutAndRestartTheArmDoesNotJump) {
   BothSides setup = MakeBothSides(true, false, true, true, 4, 4);
   setup.controller.timeout_cycles = 5;
@@ -155,9 +156,9 @@ TEST(RsiInterop, AfterTimeoutAndRestartTheArmDoesNotJump) {
     ASSERT_TRUE(controller.Receive(session.Answer(command))) << controller.last_error();
   };
   for (int k = 0; k < 100; ++k) cycle({8, 0, 0, 0, 0, 0});
-  while (!controller.Step().empty()) now += 4 * rt::kMillisecond;  // the PC is away
+  while (!controller.Step().empty()) now += 4 * rt::kMillisecond;  // the PC does not answer until RSI ends
   ASSERT_EQ(controller.state().stop.reason, RsiStopReason::kTimeout);
-  for (int k = 0; k < 300; ++k) controller.Step();  // comes to rest
+  for (int k = 0; k < 300; ++k) controller.Step();  // until the arm is at rest
   now += 2 * rt::kSecond;
 
   controller.Restart();
@@ -179,7 +180,7 @@ TEST(RsiInterop, LinkMovesTheArmOverUdp) {
   SimulatedCellParams params;
   params.kr = RsiArmParams{.controller = setup.controller};
   for (std::size_t i = 0; i < 6; ++i) params.q_start[i] = setup.controller.start_deg[i] * kDegree;
-  // the hand's script is far away: nobody touches the tool
+  // the script's place is far away, so the hand does not touch the tool
   SimulatedCellThread cell({.client_port = (*link)->port()},
                            SimulatedCell(params, MakeReamingScript({.X_WC = Pose::Identity()})));
   control::ArmState arm;

@@ -4,17 +4,17 @@
 
 #include <gtest/gtest.h>
 
-// The simulated controller's own writer and reader of RSI messages: <Rob> is sent, <Sen> is received.
+// Tests the simulated controller's own writer of the RSI message <Rob> and its reader of the answer <Sen>.
 
 namespace osteon::hil {
 namespace {
 
-// The answer that the reader finds in a text, or its error.
+// The answer that the reader finds in this text, or the reader's error.
 tl::expected<SenMessage, std::string> Read(std::string_view text, RsiFormat format, bool cartesian = false) {
   return ReadSen({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, format, cartesian);
 }
 
-// Valid answers of both layouts, with corrections of axes and of the pose.
+// Valid answers in both layouts (KROSHU and ImFree), with corrections of the axes and of the pose.
 const std::string kKroshu =
     R"(<Sen Type="KROSHU"><Stop>0</Stop><AK A1="1.5" A2="-2" A3="0.000000" A4="4" A5="5" A6="6"/>)"
     R"(<IPOC>12345</IPOC></Sen>)";
@@ -52,7 +52,7 @@ TEST(RsiWire, ReadsAnswersOfBothLayouts) {
   const auto frame = Read(kImFree, RsiFormat::kImFree, true);
   ASSERT_TRUE(frame) << frame.error();
   EXPECT_EQ(frame->correction, (Six{1.5, -2, 0, 4, 5, 6}));
-  // ImFree's elements in any order, with others between them
+  // in the layout ImFree, the elements may have any order, with other elements between them
   const auto mixed = Read(R"(<Sen Type="ImFree"><EStr>hello</EStr><IPOC>7</IPOC><Tech T21="1.09"/>)"
                           R"(<AK A1="1" A2="2" A3="3" A4="4" A5="5" A6="6"/></Sen>)",
                           RsiFormat::kImFree);
@@ -60,8 +60,8 @@ TEST(RsiWire, ReadsAnswersOfBothLayouts) {
   EXPECT_EQ(mixed->ipoc, 7u);
 }
 
-// The reader of the layout KROSHU expects each byte of the text at its place: any other spacing, order or
-// quotation mark is refused.
+// In the layout KROSHU, the reader expects each character of the text at its place. Any other spacing, order
+// or quotation mark must be refused.
 TEST(RsiWire, KroshuAcceptsOnlyItsExactText) {
   const auto refused = [](std::string_view what, std::string_view by) {
     std::string text = kKroshu;

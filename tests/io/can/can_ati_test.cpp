@@ -5,7 +5,7 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can/can_frames.h"
 
-// Tests of the client of an ATI force sensor, with frames from public descriptions of its NETCANOEM
+// Tests the client of an ATI force sensor, with frames from public descriptions of the sensor's NETCANOEM
 // interface.
 
 namespace osteon::io {
@@ -19,8 +19,8 @@ using test::Sent;
 
 AtiSensor Sensor(const AtiParams& params = {}) { return test::Made<AtiSensor>(params); }
 
-// The three frames of a row of the sensor's calibration matrix, in float32. The matrix has 1.0 (3F800000) on
-// the diagonal; row 0 also has 2.0 (40000000) in column 1 and 0.5 (3F000000) in column 5.
+// The three frames of one row of the sensor's calibration matrix, as float32. The matrix has 1.0 (3F800000)
+// on the diagonal. Row 0 also has 2.0 (40000000) in column 1 and 0.5 (3F000000) in column 5.
 Frames MatrixRow(int row) {
   std::string parts[3];
   for (int column = 0; column < 6; ++column) {
@@ -33,8 +33,9 @@ Frames MatrixRow(int row) {
   return {"202#" + parts[0], "203#" + parts[1], "204#" + parts[2]};
 }
 
-// Answers the set-up: six rows of the matrix, the counts per newton and newton metre (100 and 10 by default),
-// and the codes of the units (N and N·m by default). Stops if the sensor's client fails.
+// Answers the requests of the set-up: six rows of the matrix, the counts per newton and per newton metre
+// (default 100 and 10), and the codes of the units (default N and N·m). Stops if the sensor's client reports
+// a failure.
 void AnswerSetUp(AtiSensor& sensor, rt::Nanoseconds now, const std::string& counts = "207#000000640000000A",
                  const std::string& units = "208#0203") {
   for (int row = 0; row < 6; ++row) {
@@ -64,7 +65,8 @@ TEST(AtiSensor, ReadsItsMatrixCountsAndUnitsThenAsksEachPeriod) {
 TEST(AtiSensor, GaugesBecomeAWrenchThroughTheMatrix) {
   auto sensor = Sensor();
   AnswerSetUp(sensor, 0);
-  // gauges 0 … 5: 100, -200, 300, 10, 32766, -20; counts 100 a N, 10 a N·m
+  // readings of the gauges 0 … 5: 100, -200, 300, 10, 32766, -20; the scale is 100 counts per N and 10 counts
+  // per N·m
   sensor.Accept(At(kMs, "200#00000064012C7FFE"));
   sensor.Accept(At(kMs + kFrameTime, "201#FF38000AFFEC"));
   const SensorReading& reading = sensor.Latest();
@@ -80,7 +82,7 @@ TEST(AtiSensor, GaugesBecomeAWrenchThroughTheMatrix) {
 
 TEST(AtiSensor, PoundsAreConvertedToNewtons) {
   auto sensor = Sensor();
-  AnswerSetUp(sensor, 0, "207#0000000100000001", "208#0102");  // pounds, pound-feet
+  AnswerSetUp(sensor, 0, "207#0000000100000001", "208#0102");  // units pound and pound-foot
   sensor.Accept(At(kMs, "200#0000000000010000"));
   sensor.Accept(At(kMs, "201#000000010000"));
   EXPECT_NEAR(sensor.Latest().F_S.f.z, 4.4482216152605, 1e-12);
@@ -107,8 +109,8 @@ TEST(AtiSensor, StatusBitsBecomeFlags) {
   EXPECT_EQ(flags("C080", "800000000000"), kSensorOverload | kSensorFault | kSensorBusError);
 }
 
-// A reading has two frames, 0x200 and 0x201. Frames that are more than a frame's time apart, or without the
-// other half, make no reading.
+// A reading consists of two frames, 0x200 and 0x201. If a frame is lost, or if the two frames are more than a
+// frame's time apart, they must give no reading.
 TEST(AtiSensor, HalvesOfDifferentReadingsAreNeverJoined) {
   auto sensor = Sensor();
   AnswerSetUp(sensor, 0);
@@ -117,7 +119,7 @@ TEST(AtiSensor, HalvesOfDifferentReadingsAreNeverJoined) {
   sensor.Accept(At(12 * kMs, "201#000000000000"));
   EXPECT_EQ(sensor.counters().readings, 0u);
   EXPECT_EQ(sensor.counters().halves, 3u);
-  sensor.Accept(At(13 * kMs, "200#"));  // a request from another master
+  sensor.Accept(At(13 * kMs, "200#"));  // a request by another master on the bus
   sensor.Accept(At(13 * kMs, "201#0000000000000000"));
   EXPECT_EQ(sensor.counters().malformed, 2u);
   EXPECT_EQ(sensor.counters().readings, 0u);
@@ -127,10 +129,10 @@ TEST(AtiSensor, AnIncompleteMatrixRowIsRequestedAgain) {
   auto sensor = Sensor();
   Sent(sensor, 0);
   sensor.Accept(At(0, MatrixRow(0)[0]));
-  sensor.Accept(At(0, MatrixRow(0)[2]));  // the middle one is lost
+  sensor.Accept(At(0, MatrixRow(0)[2]));  // the middle one of the three frames is lost
   EXPECT_EQ(Sent(sensor, 49 * kMs), Frames{});
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#00"});
-  sensor.Accept(At(50 * kMs, MatrixRow(0)[1]));  // belongs to no row
+  sensor.Accept(At(50 * kMs, MatrixRow(0)[1]));  // this frame belongs to no row
   for (const std::string& frame : MatrixRow(0)) sensor.Accept(At(50 * kMs, frame));
   EXPECT_EQ(Sent(sensor, 50 * kMs), Frames{"202#01"});
 }
@@ -139,7 +141,7 @@ TEST(AtiSensor, BiasIsTheMeanLoadOfTheNextReadings) {
   auto sensor = Sensor({.bias_readings = 4});
   AnswerSetUp(sensor, 0);
   rt::Nanoseconds now = kMs;
-  // the force along z of a reading in which gauge 2 has these counts (100 counts per newton)
+  // sends a reading in which gauge 2 has these counts; returns the force along z (100 counts per newton)
   const auto read = [&](const std::string& gauge2) {
     sensor.Accept(At(now += kMs, "200#00000000" + gauge2 + "0000"));
     sensor.Accept(At(now, "201#000000000000"));
@@ -157,7 +159,7 @@ TEST(AtiSensor, BiasIsTheMeanLoadOfTheNextReadings) {
 }
 
 TEST(AtiSensor, RefusalsNameTheReason) {
-  // the failure after these answers about counts and units
+  // the client's failure after these answers about counts and units
   const auto failure = [](const std::string& counts, const std::string& units) {
     auto sensor = Sensor();
     AnswerSetUp(sensor, 0, counts, units);
@@ -192,7 +194,8 @@ TEST(AtiSensor, ErrorsNameTheParameter) {
   EXPECT_NE(AtiSensor::Make({.period = 1000}).error().find("period: found 1000 ns"), std::string::npos);
 }
 
-// The sensor's default ids 0x200 … 0x20F include a drive's RPDO1, 0x200 + node, for nodes below 16.
+// The sensor's default ids 0x200 … 0x20F include the id of a drive's RPDO1, which is 0x200 + node, if the
+// node's number is below 16.
 TEST(CanIds, TheAtiSensorOverlapsWithDrivesBelowNode16) {
   for (int node = 1; node <= 127; ++node) {
     ReamerDriveParams drive{.node = static_cast<std::uint8_t>(node)};

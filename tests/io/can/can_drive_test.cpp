@@ -13,7 +13,7 @@
 #include "io/can/id_claims.h"
 #include "tests/io/can/can_frames.h"
 
-// Tests of the reamer drive's client, with frames and states from CiA 301 and CiA 402.
+// Tests the client of the reamer's drive, with frames and states from CiA 301 and CiA 402.
 
 namespace osteon::io {
 namespace {
@@ -24,9 +24,9 @@ using test::Frames;
 using test::kMs;
 using test::Sent;
 
-// The table of states as in CiA 402: x is any bit.
+// A row of the table of states in CiA 402; x stands for any bit.
 struct StateRow {
-  const char* bits;  // statusword bits 15 … 0
+  const char* bits;  // bits 15 … 0 of the statusword
   DriveState state;
 };
 constexpr std::array<StateRow, 8> kStates{{
@@ -55,7 +55,7 @@ TEST(Cia402, EveryStatuswordGivesTheStateOfTheTable) {
     ASSERT_EQ(StateOf(static_cast<std::uint16_t>(word)), StateFromTable(word)) << std::bitset<16>(word);
 }
 
-// For each statusword and each goal, exactly one controlword is allowed.
+// For each statusword and each goal, the client must send the only controlword that is allowed.
 TEST(Cia402, EveryStatuswordAndGoalGivesTheAllowedControlword) {
   for (unsigned word = 0; word < 65536; ++word) {
     const DriveState state = StateFromTable(word);
@@ -118,7 +118,7 @@ ReamerDrive Drive(const ReamerDriveParams& params = Params()) {
   return *drive;
 }
 
-// Accepts every request of the set-up like a drive; returns the requests.
+// Answers every request of the set-up as a drive does that accepts it. @returns the requests
 Frames AnswerSetUp(ReamerDrive& drive, rt::Nanoseconds& now) {
   Frames asked;
   for (int i = 0; i < 400 && drive.phase() == DrivePhase::kStarting; ++i, now += kMs) {
@@ -147,15 +147,15 @@ TEST(ReamerDrive, SetUpSendsExactlyTheseFrames) {
   auto drive = Drive();
   rt::Nanoseconds now = 0;
   const Frames golden{
-      "000#8010",              // pre-operational
+      "000#8010",              // NMT: pre-operational
       "610#4000100000000000",  // 1000: device type
       "610#4076600000000000",  // 6076: rated torque
-      "610#2B17100032000000",  // 1017: heartbeat each 50 ms
-      "610#2316100196007F00",  // 1016: our heartbeat, node 127, 150 ms
-      "610#2B07600001000000",  // 6007: a lost connection is a fault
-      "610#2B5E600002000000",  // 605E: along the quick-stop ramp
-      "610#2B5A600006000000",  // 605A: ramp, then stay
-      "610#238360009B4A0000",  // 6083: 100 rad/s² · 20 · 60/2π = 19099 rpm/s
+      "610#2B17100032000000",  // 1017: the drive sends a heartbeat each 50 ms
+      "610#2316100196007F00",  // 1016: expects our heartbeat, node 127, in 150 ms
+      "610#2B07600001000000",  // 6007: a lost connection is a fault of the drive
+      "610#2B5E600002000000",  // 605E: after a fault, brake along the ramp
+      "610#2B5A600006000000",  // 605A: quick stop: brake on the ramp, then stay
+      "610#238360009B4A0000",  // 6083: acceleration 100 rad/s² · 20 · 60/2π = 19099 rpm/s
       "610#238460009B4A0000",
   };
   const Frames asked = AnswerSetUp(drive, now);
@@ -174,13 +174,14 @@ TEST(ReamerDrive, SetUpSendsExactlyTheseFrames) {
   for (std::size_t i = 0; i < pdos.size(); ++i) EXPECT_EQ(asked[10 + i], pdos[i]) << i;
 }
 
-// The client of a configured drive, and its clock; the test makes the drive's frames.
+// The client of a drive that is already configured, and its clock. A test makes the drive's frames.
 struct Running {
   explicit Running(const ReamerDriveParams& params = Params()) : drive(Drive(params)) {
     AnswerSetUp(drive, now);
   }
 
-  // One cycle of 4 ms: the client's command, which is returned, then the drive's status and heartbeat.
+  // Runs one cycle of 4 ms: first the client's command, which is returned, then the drive's status and
+  // heartbeat.
   std::string Cycle(unsigned statusword, int rpm = 0, int permille = 0) {
     std::string command;
     now += 4 * kMs;
@@ -190,7 +191,7 @@ struct Running {
     drive.Accept(At(now, "710#05"));
     return command;
   }
-  // Delivers a status in its two PDOs; the torque is in thousandths of the rated one.
+  // Delivers a status in the drive's two PDOs. The torque is in thousandths of the rated torque.
   void Status(unsigned statusword, int rpm, int permille) {
     CanFrame one{.id = 0x190, .size = 7}, two{.id = 0x290, .size = 6};
     const auto raw = static_cast<unsigned>(rpm), torque = static_cast<unsigned>(permille);
@@ -213,7 +214,7 @@ struct Running {
 TEST(ReamerDrive, StepsThroughTheStatesToEnabledAndTurnsAtTheToolsSpeed) {
   Running r;
   EXPECT_EQ(r.Cycle(0x250), "210#00000300000000") << "off by default";
-  // 26.18 rad/s of the tool · 20 · 60/2π = 5000 rpm of the motor = 0x1388
+  // 26.18 rad/s of the tool · gear ratio 20 · 60/2π = 5000 rpm of the motor = 0x1388
   r.drive.Command({.goal = DriveGoal::kEnabled, .speed_rad_per_s = 5000 * 2 * std::numbers::pi / 60 / 20});
   EXPECT_EQ(r.Cycle(0x250), "210#06000300000000");
   EXPECT_EQ(r.Cycle(0x231), "210#06000300000000") << "until its status says more";
@@ -271,7 +272,7 @@ TEST(ReamerDrive, ALostHeartbeatStopsTheDriveUntilTheFaultIsReset) {
   const rt::Nanoseconds last = r.now;
   for (; r.now < last + 150 * kMs; r.now += kMs) {
     Sent(r.drive, r.now);
-    r.Status(0x237, 0, 0);  // status continues, the heartbeat stops
+    r.Status(0x237, 0, 0);  // the status still arrives, but no heartbeat
   }
   EXPECT_EQ(r.drive.status().faults, 0u);
   r.now = last + 151 * kMs;
@@ -345,15 +346,15 @@ TEST(ReamerDrive, DetectsARestartAndLeavingEnabled) {
   EXPECT_EQ(told.drive.status().faults, 0u);
 }
 
-// The loop commands a quick stop and enables again before a status comes: the drive then reports the quick
-// stop.
+// The loop commands a quick stop, and enables the drive again before a status arrives. The drive then reports
+// the quick stop, which must not count as a fault.
 TEST(ReamerDrive, ACommandedStopIsNotAFault) {
   Running told;
   told.drive.Command({.goal = DriveGoal::kEnabled});
   told.Cycle(0x237);
   told.drive.Command({.goal = DriveGoal::kQuickStop});
   told.drive.Command({.goal = DriveGoal::kEnabled});
-  told.Cycle(0x217);  // quick stop active: it had the first command
+  told.Cycle(0x217);  // quick stop active: the drive has received the first command
   EXPECT_EQ(told.drive.status().faults, 0u);
   told.Cycle(0x237);
   told.Cycle(0x217);
@@ -371,7 +372,8 @@ TEST(ReamerDrive, LeavingOperationalRequiresANewSetUp) {
   EXPECT_EQ(r.drive.status().faults, 0u);
 }
 
-// In a running drive the same emergency is latched and stays.
+// During the set-up, an emergency that the drive resets must be forgotten. In a running drive the same
+// emergency must be latched.
 TEST(ReamerDrive, AnEmergencyResetDuringSetUpIsForgotten) {
   Running r;
   r.drive.Accept(At(r.now, "090#2032040000000000"));
@@ -425,7 +427,8 @@ TEST(ReamerDrive, FramesOfAWrongSizeChangeNothing) {
   EXPECT_EQ(r.drive.status().faults, 0u);
 }
 
-// The failure of a set-up in which each read gets this answer; empty: no answer.
+// The client's failure if each read request of the set-up gets this answer; an empty text stands for no
+// answer.
 std::string FailureWith(const std::string& answer) {
   auto drive = Drive();
   rt::Nanoseconds now = 0;

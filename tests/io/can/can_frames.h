@@ -11,11 +11,12 @@
 
 #include "io/can/can_pump.h"
 
-// Helpers of the CAN tests. Frames are written in candump's notation: "064#0B00" has id 0x064 and two bytes.
+// Helpers for the CAN tests. Frames are written in candump's notation: "064#0B00" is a frame with the id
+// 0x064 and two bytes.
 
 namespace osteon::io {
 
-/// The frame in candump's notation.
+/// The text of a frame in candump's notation.
 inline std::string ToText(const CanFrame& frame) {
   constexpr const char* kDigits = "0123456789ABCDEF";
   std::string text;
@@ -33,7 +34,7 @@ namespace osteon::io::test {
 inline constexpr rt::Nanoseconds kMs = rt::kMillisecond;
 inline constexpr rt::Nanoseconds kFrameTime = 130'000;  ///< duration of a frame of 8 bytes at 1 Mbit/s
 
-/// The frame that this text in candump's notation describes.
+/// The frame of a text in candump's notation.
 inline CanFrame Frame(const std::string& text) {
   const std::size_t hash = text.find('#');
   CanFrame frame{.id = static_cast<std::uint16_t>(std::stoul(text.substr(0, hash), nullptr, 16))};
@@ -42,12 +43,13 @@ inline CanFrame Frame(const std::string& text) {
   return frame;
 }
 
-/// The arrival of a frame at that time. @param after_gap  the bus reports frames lost before it
+/// A frame that arrives at this time. @param after_gap  true: the bus reports that frames before this one
+/// were lost
 inline CanArrival At(rt::Nanoseconds stamp, const std::string& text, bool after_gap = false) {
   return {.frame = Frame(text), .stamp = stamp, .after_gap = after_gap};
 }
 
-/// The frames that the client sends at time `now`, at most 100.
+/// The frames that the client sends at the time `now`, at most 100.
 inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
   std::vector<std::string> frames;
   for (CanFrame frame; frames.size() < 100 && client.Next(now, frame);) frames.push_back(ToText(frame));
@@ -56,7 +58,7 @@ inline std::vector<std::string> Sent(CanClient& client, rt::Nanoseconds now) {
 
 using Frames = std::vector<std::string>;
 
-/// A sensor's client; the test fails if its parameters are refused.
+/// Makes a sensor's client. The test fails if the client refuses the parameters.
 template <class Sensor, class Params>
 [[nodiscard]] Sensor Made(const Params& params) {
   auto sensor = Sensor::Make(params);

@@ -4,7 +4,8 @@
 
 #include "tests/io/can/can_frames.h"
 
-// Tests of the client of a Robotous force sensor, with frames from the manual and the maker's sample.
+// Tests the client of a Robotous force sensor, with frames from the manual and from the maker's sample
+// program.
 
 namespace osteon::io {
 namespace {
@@ -17,18 +18,18 @@ using test::Sent;
 
 RobotousSensor Sensor(const RobotousParams& params = {}) { return test::Made<RobotousSensor>(params); }
 
-// Delivers the two frames of an answer or a reading, a frame's time apart.
+// Delivers the two frames of an answer or of a reading. The second comes a frame's time after the first.
 void Answer(RobotousSensor& sensor, rt::Nanoseconds now, const std::string& first,
             const std::string& second = "0000000000000000") {
   sensor.Accept(At(now, "001#" + first));
   sensor.Accept(At(now + kFrameTime, "002#" + second));
 }
 
-// Answers the set-up, then sends readings at 1 kHz until the client has confirmed the rate. @returns the time
-// of the next reading
+// Answers the requests of the set-up, then sends readings at 1 kHz until the client has confirmed the rate.
+// @returns the time of the next reading
 rt::Nanoseconds MakeReady(RobotousSensor& sensor) {
   rt::Nanoseconds now = 0;
-  Sent(sensor, now);  // stop
+  Sent(sensor, now);  // takes the stop command from the client
   Sent(sensor, now += 20 * kMs);
   Answer(sensor, now, "0801000000000000");
   Sent(sensor, now);
@@ -65,7 +66,7 @@ TEST(RobotousSensor, SetUpSendsTheManualsFrames) {
 TEST(RobotousSensor, ReadsBigEndianForcesInNewtonAndTorquesInNewtonMetre) {
   auto sensor = Sensor();
   const rt::Nanoseconds now = MakeReady(sensor);
-  // 0x0064 = 100, 0xFF9C = -100, 0x7FFF, 0x8000, 0x07D0 = 2000, 0xF830 = -2000
+  // the values are 0x0064 = 100, 0xFF9C = -100, 0x7FFF, 0x8000, 0x07D0 = 2000 and 0xF830 = -2000
   Answer(sensor, now, "0B0064FF9C7FFF80", "0007D0F830000000");
   const SensorReading& reading = sensor.Latest();
   EXPECT_EQ(reading.stamp, now) << "its first half's";
@@ -111,30 +112,31 @@ TEST(RobotousSensor, HalvesOfDifferentReadingsAreNeverJoined) {
   const auto second = [&](rt::Nanoseconds at, bool gap = false) {
     sensor.Accept(At(at, "002#0000000000000000", gap));
   };
-  // second half of one and first half of the next are lost: a whole period apart
+  // the second half of a reading and the first half of the next are lost, so the halves are more than a
+  // period apart
   first(t);
   second(t + kMs + kFrameTime);
-  // the second half alone
+  // a second half alone
   second(t + 2 * kMs);
-  // first half twice: the newer one is used
+  // two first halves: the newer one must be used
   first(t + 3 * kMs);
   first(t + 4 * kMs);
   EXPECT_EQ(sensor.counters().readings, before);
   second(t + 4 * kMs + kFrameTime);
   EXPECT_EQ(sensor.counters().readings, before + 1);
   EXPECT_EQ(sensor.Latest().stamp, t + 4 * kMs);
-  // the second half twice
+  // the second half once more
   second(t + 4 * kMs + 2 * kFrameTime);
-  // close together, but the transport reports lost frames between them
+  // the halves are close together, but the bus reports that frames between them were lost
   first(t + 5 * kMs);
   second(t + 5 * kMs + kFrameTime, true);
   EXPECT_EQ(sensor.counters().readings, before + 1);
-  // the order changed
+  // the halves arrive in the wrong order
   second(t + 6 * kMs);
   first(t + 6 * kMs + kFrameTime);
   second(t + 7 * kMs);
   EXPECT_EQ(sensor.counters().readings, before + 1);
-  EXPECT_EQ(sensor.counters().halves, 10u);  // all but the one joined pair
+  EXPECT_EQ(sensor.counters().halves, 10u);  // all halves except the two that gave the reading
 }
 
 TEST(RobotousSensor, AFrameOfAnotherSizeIsRefused) {
@@ -161,7 +163,7 @@ TEST(RobotousSensor, AnEchoOfAnotherCommandIsNoReading) {
 
 TEST(RobotousSensor, OldReadingsDuringSetUpAnswerNoCommand) {
   auto sensor = Sensor();
-  Answer(sensor, 0, "0B00000000000000");  // before anything was requested
+  Answer(sensor, 0, "0B00000000000000");  // an answer before the client has requested anything
   Sent(sensor, 0);
   Answer(sensor, kMs, "0B00000000000000");
   Sent(sensor, 20 * kMs);
@@ -188,8 +190,8 @@ TEST(RobotousSensor, RepeatsACommandTwiceThenReportsASilentSensor) {
   EXPECT_TRUE(sensor.failure().empty());
 }
 
-// The failure of a set-up with these four answers: to the filter's setting and its read-back, and to the
-// rate's setting and its read-back.
+// The client's failure after a set-up with these four answers: to the setting of the filter, to reading it
+// back, to the setting of the rate, and to reading that back.
 std::string FailureAfter(const std::string& filter, const std::string& filter_back, const std::string& rate,
                          const std::string& rate_back) {
   auto sensor = Sensor();
@@ -216,7 +218,7 @@ TEST(RobotousSensor, RefusesASensorWhoseRateIsNotConfirmed) {
 }
 
 TEST(RobotousSensor, RefusesASensorWhoseReadingsComeAtAnotherRate) {
-  for (const rt::Nanoseconds period : {2 * kMs, 5 * kMs, kMs / 2}) {  // 1 ms is accepted
+  for (const rt::Nanoseconds period : {2 * kMs, 5 * kMs, kMs / 2}) {  // only 1 ms is accepted
     auto sensor = Sensor();
     rt::Nanoseconds now = 0;
     Sent(sensor, now);

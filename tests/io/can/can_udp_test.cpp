@@ -11,8 +11,8 @@
 #include "tests/io/can/can_frames.h"
 #include "tests/io/net/loopback_socket.h"
 
-// CAN frames in UDP datagrams (the tunnel of a simulated cell): the codec, UdpCanBus, and CanPump on top of
-// it.
+// Tests CAN frames in UDP datagrams, the tunnel to a simulated cell: the codec, UdpCanBus, and CanPump on top
+// of UdpCanBus.
 
 namespace osteon::io {
 namespace {
@@ -25,7 +25,7 @@ CanFrame Frame(std::uint16_t id, std::initializer_list<std::uint8_t> data) {
   return frame;
 }
 
-// The bytes of kGoldenMessage by the layout in udp_can_codec.h.
+// The bytes of kGoldenMessage, written by hand after the layout in udp_can_codec.h.
 const Bytes kGolden{0x4F, 0x43, 0x41, 0x4E, 0x01, 0x03, 0x07, 0xFE, 0xA1, 0xA2,
                     0xA3, 0xA4, 0x00, 0x00, 0x01, 0x02, 0xDE, 0xAD, 0xBE};
 const UdpCanMessage kGoldenMessage{
@@ -119,17 +119,17 @@ TEST(UdpCanBus, RefusesInvalidFrames) {
   EXPECT_EQ(b->TryReceive(arrival), CanResult::kEmpty);
 }
 
-// The other end of the tunnel as a plain socket, so that a test can send wrong datagrams.
+// The other end of the tunnel as a plain socket, so that a test can send damaged datagrams.
 using Peer = test::LoopbackSocket;
 
-// A bus that sends to this peer and listens to it alone.
+// A bus that sends to this peer and receives only from this peer.
 std::unique_ptr<UdpCanBus> OpenToward(const Peer& peer, std::vector<CanFilter> filters = {}) {
   auto bus = UdpCanBus::Open({.bind_port = 0, .peer_port = peer.port(), .filters = std::move(filters)});
   EXPECT_TRUE(bus) << bus.error();
   return std::move(*bus);
 }
 
-// A datagram with that session and sequence number. The frame's id is the low byte of the number.
+// A datagram with this session and sequence number. Its frame's id is the low byte of the sequence number.
 Bytes Numbered(std::uint32_t session, std::uint32_t sequence) {
   return Encoded({.frame = Frame(static_cast<std::uint16_t>(sequence & 0xFF), {}),
                   .session = session,
@@ -212,8 +212,8 @@ TEST(UdpCanBus, WithoutAListenerFramesCountAsUnsent) {
   EXPECT_EQ(bus->Receive(arrival, rt::MonotonicNow() + rt::kMillisecond), CanResult::kEmpty);
 }
 
-// Without a listener the system reports an undelivered frame only on the next send, and refuses that one: two
-// of four frames count as sent, whether they are sent in a batch or one by one.
+// If nobody listens, the system reports an undelivered frame only at the next send, and then refuses the next
+// frame. So two of four frames count as sent, whether they are sent in a batch or one by one.
 TEST(UdpCanBus, ABatchWithoutAListenerIsCountedLikeSingleFrames) {
   const auto counted = [](bool batch) {
     auto peer = std::make_unique<Peer>();
@@ -245,7 +245,7 @@ TEST(UdpCanBus, OpenErrorsNameTheWrongAddressOrPort) {
   says({.bind_port = 0, .peer_port = 0}, "peer port: found 0");
 }
 
-// A client that sends each frame back once, with its id plus one.
+// A client that sends each frame back once, with the id increased by one.
 class Echo final : public CanClient {
  public:
   void Accept(const CanArrival& arrival) OSTEON_RT override {
@@ -287,7 +287,8 @@ TEST(CanPump, CarriesFramesBothWaysWithoutAllocating) {
   EXPECT_EQ(a->Drain(room), 1u) << "both clients answered";
 }
 
-// A client that always has another frame to send, numbered from 0, and keeps the frames that it receives.
+// A client that always has a further frame to send. It numbers its frames from 0 and keeps the frames that it
+// receives.
 class EndlessSender final : public CanClient {
  public:
   explicit EndlessSender(std::uint16_t id) : id_(id) {}
@@ -307,7 +308,8 @@ class EndlessSender final : public CanClient {
   std::size_t heard_{0};
 };
 
-// Four clients send as many frames as the pump takes, in two calls.
+// Four clients send as many frames as one call of Pump accepts. Pump is called twice, and a single Pump
+// receives all frames.
 TEST(CanPump, ManyFramesOfOneTickArriveCompleteAndInOrder) {
   const auto [a, b] = OpenPair();
   std::vector<EndlessSender> senders{EndlessSender(0x10), EndlessSender(0x20), EndlessSender(0x30),
@@ -316,7 +318,8 @@ TEST(CanPump, ManyFramesOfOneTickArriveCompleteAndInOrder) {
   CanPump sending(*a), receiving(*b);
   for (EndlessSender& each : senders) ASSERT_TRUE(sending.Add(each));
   ASSERT_TRUE(receiving.Add(receiver));
-  constexpr std::size_t kAtOnce = CanPump::kMaxClients * CanPump::kMaxSends;  // 64: more than a batch
+  constexpr std::size_t kAtOnce =
+      CanPump::kMaxClients * CanPump::kMaxSends;  // 64, more than fit in one batch
   for (int call = 0; call < 2; ++call) ASSERT_EQ(sending.Pump(call), CanResult::kOk);
   ASSERT_EQ(receiving.Pump(0), CanResult::kOk);
   ASSERT_EQ(receiver.got().size(), 2 * kAtOnce) << "kMaxReads at once, of both calls";
@@ -333,7 +336,7 @@ TEST(CanPump, ManyFramesOfOneTickArriveCompleteAndInOrder) {
 
 TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   const auto [a, b] = OpenPair();
-  // more frames than the socket queue of any system holds, so some find no room
+  // more frames than the socket's queue holds on any system, so some frames find no room
   constexpr std::size_t kFrames = 100'000, kAtOnce = 50;
   std::vector<CanFrame> frames;
   for (std::size_t i = 0; i < kAtOnce; ++i) frames.push_back(Frame(0x123, {static_cast<std::uint8_t>(i)}));
@@ -343,7 +346,7 @@ TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   std::uint64_t got = 0;
   for (std::size_t count = 0; b->ReceiveAll(room, count) == CanResult::kOk;) got += count;
   ASSERT_LT(got, a->status().sent) << "the queue was never full: nothing was shown";
-  // the next frame tells the receiver how many there were
+  // the next frame tells the receiver how many frames were lost
   ASSERT_EQ(a->Send(Frame(0x123, {255})), CanResult::kOk);
   CanArrival last;
   ASSERT_EQ(b->Receive(last, rt::MonotonicNow() + rt::kSecond), CanResult::kOk);
@@ -352,7 +355,7 @@ TEST(UdpCanBus, AFullQueueLosesNoFrameSilently) {
   EXPECT_EQ(b->status().received, got + 1);
 }
 
-// The second and the fourth frame are invalid: an id beyond 11 bits, and nine bytes.
+// The second and the fourth frame are invalid: one has an id of more than 11 bits, the other has nine bytes.
 TEST(UdpCanBus, AnInvalidFrameDoesNotKeepTheOthersFromBeingSent) {
   const auto [a, b] = OpenPair();
   const std::array<CanFrame, 4> frames{Frame(1, {}), CanFrame{.id = 0x800}, Frame(2, {}),

@@ -10,14 +10,14 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
-// The codec of the messages between controller and simulation engine: commands and frames, and the set-up.
+// Tests the codec of the messages between controller and simulation engine: commands, frames, and the set-up.
 
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
-// The message encoded, with session 77 and sequence number 5.
+// Encodes a message with the session 77 and the sequence number 5.
 template <class Message>
 EngineBytes Encoded(const Message& message, EngineMessage kind) {
   EngineBytes bytes;
@@ -27,8 +27,8 @@ EngineBytes Encoded(const Message& message, EngineMessage kind) {
 EngineBytes EncodedFrame(const EngineFrame& frame) { return Encoded(frame, EngineMessage::kFrame); }
 EngineBytes EncodedCommand(const EngineCommand& command) { return Encoded(command, EngineMessage::kCommand); }
 
-// The decoded message is encoded again. Each field has a different value, so equal bytes mean that every
-// field was carried over.
+// Encodes each message, decodes it, and encodes the result again. Each field has a different value. So equal
+// bytes prove that every field was encoded and decoded.
 TEST(EngineCodec, FrameAndCommandAreDecodedBitForBit) {
   EngineHeader header;
   EngineFrame frame;
@@ -85,7 +85,8 @@ TEST(EngineCodec, EachShorterOrLongerMessageIsRefused) {
   EXPECT_EQ(DecodeEngine(bytes.view(), header, frame), EngineError::kWrongSize);
 }
 
-// Messages with the right checksum, in which a single value is not finite, too large, or out of its range.
+// Messages with a correct checksum, in which one value is not finite, too large, or outside its range. They
+// must be refused.
 TEST(EngineCodec, ValuesOutOfRangeAreRefused) {
   using Change = void (*)(EngineFrame&);
   const double nan = std::numeric_limits<double>::quiet_NaN();

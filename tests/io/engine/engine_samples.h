@@ -5,7 +5,7 @@
 #include "io/engine/engine_setup.h"
 #include "io/engine/messages.h"
 
-// Messages between controller and simulation engine, in which each field has a different value.
+// Sample messages between controller and simulation engine. Each field has a different value.
 
 namespace osteon::io::test {
 
@@ -20,7 +20,7 @@ inline EngineCommand SampleCommand() {
   return {.command = {.X_WT = SamplePose(), .spindle_rad_per_s = -31.4, .stamp = 123'456'789}, .dt_s = 0.002};
 }
 
-/// A tool pose at a time.
+/// A command with a tool pose and this time stamp.
 inline simulation::ToolCommand CommandAt(rt::Nanoseconds stamp) {
   return {.X_WT = SamplePose(), .spindle_rad_per_s = 3.0, .stamp = stamp};
 }
@@ -60,7 +60,7 @@ inline EngineFrame SampleFrame() {
   return frame;
 }
 
-/// A small bone of one material under a tool of one ball.
+/// A set-up with a small bone of one material and a tool of one ball.
 inline EngineSetup SampleSetup() {
   EngineSetup setup;
   setup.bone.name = "block";

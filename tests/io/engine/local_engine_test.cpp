@@ -12,20 +12,21 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
-// The simulation engine in another process of this machine: client and server share a memory segment in a
-// folder.
+// Tests the simulation engine in another process of this machine. Client and server share a memory segment in
+// a folder.
 
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // long, so that a busy machine fails no test
+constexpr rt::Nanoseconds kPatience = 10 * rt::kSecond;  // so long that a busy machine fails no test
 
 // Deadline of a wait that must succeed.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }
 
-// A client (the controller's side) and the server (the engine's side) that opened its folder.
+// A client (the controller's side) with its folder, and a server (the engine's side) that has opened this
+// folder.
 struct ClientAndServer {
   ClientAndServer() {
     auto made = LocalEngineClient::Create(EncodeSetup(test::SampleSetup()));
@@ -35,7 +36,7 @@ struct ClientAndServer {
     if (!opened) throw std::runtime_error(opened.error());
     server = std::move(*opened);
   }
-  // The frame with that number that answers a command.
+  // A frame with this number that answers this command.
   EngineFrame FrameFor(const EngineCommand& command, std::uint64_t number) const {
     EngineFrame frame = test::SampleFrame();
     frame.model.pose_stamp = command.command.stamp;
@@ -96,7 +97,8 @@ TEST(LocalEngine, FramesThatOverflowTheRingAreCountedAsLost) {
   EXPECT_EQ(pair.client->counters().lost, 10u);
 }
 
-// One thread publishes while another reads: each message must be whole, and none older than the one before.
+// One thread publishes messages while another reads them. Each message must be complete, and none may be
+// older than the previous one.
 TEST(LocalEngine, NoMessageIsTornBetweenWriterAndReader) {
   ClientAndServer pair;
   std::atomic<bool> stop{false};
@@ -118,7 +120,7 @@ TEST(LocalEngine, NoMessageIsTornBetweenWriterAndReader) {
   EXPECT_EQ(pair.client->counters().rejected, 0u);
 }
 
-// The other side overwrites the frames in the shared segment with noise.
+// The other process overwrites the frames in the shared segment with noise. The noise must be refused.
 TEST(LocalEngine, NoiseInTheSegmentIsRefusedAndTheLastFrameStays) {
   ClientAndServer pair;
   pair.server->Publish(pair.FrameFor(test::SampleCommand(), 1));
@@ -183,7 +185,8 @@ TEST(LocalEngine, TheFolderIsPrivateAndRemovedWithTheRun) {
   EXPECT_FALSE(std::filesystem::exists(folder));
 }
 
-// A killed run leaves its folder behind, and nobody holds the folder's lock any more.
+// A killed run leaves its folder behind, but no process holds the folder's lock. The next run must remove the
+// folder.
 TEST(LocalEngine, TheFolderOfAKilledRunIsRemovedByTheNextRun) {
   ClientAndServer pair;
   const std::filesystem::path left = pair.client->folder().parent_path() / "osteon_engine_left_by_test";

@@ -11,20 +11,22 @@
 #include "tests/base/checked_no_alloc_scope.h"
 #include "tests/io/engine/engine_samples.h"
 
-// The simulation engine on another machine, over UDP: runs, refusals, strangers, and blocks sent in pieces.
+// Tests the simulation engine on another machine, connected over UDP: runs, refusals, datagrams of strangers,
+// and large blocks that are sent in pieces.
 
 namespace osteon::io {
 namespace {
 
 using testing::HasSubstr;
 
-constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;   // long, so that a busy machine fails no test
-constexpr rt::Nanoseconds kSlice = 5 * rt::kMillisecond;  // the engine's thread looks this often for its end
+constexpr rt::Nanoseconds kPatience = 20 * rt::kSecond;  // so long that a busy machine fails no test
+constexpr rt::Nanoseconds kSlice =
+    5 * rt::kMillisecond;  // interval at which the engine's thread checks whether it must end
 
 // Deadline of a wait that must succeed.
 rt::Nanoseconds Soon() { return rt::MonotonicNow() + kPatience; }
 
-// A server with a thread that answers each command with a frame, and serves one run after the other.
+// A server with its thread. It answers each command with a frame, and serves one run after the other.
 class Engine {
  public:
   explicit Engine(const UdpServerParams& params = {}) {
@@ -44,8 +46,8 @@ class Engine {
   [[nodiscard]] const EngineCounters& counters() const { return server_->counters(); }
 
   std::uint16_t port{0};
-  std::vector<std::uint8_t> setup_bytes;      // of the last run; read it after End()
-  std::vector<std::uint8_t> carved{1, 2, 3};  // the carved state to be fetched; set it before a run
+  std::vector<std::uint8_t> setup_bytes;      // set-up of the last run; read it only after End()
+  std::vector<std::uint8_t> carved{1, 2, 3};  // carved state that the client fetches; set it before a run
   std::atomic<int> runs{0};
 
  private:
@@ -83,7 +85,7 @@ tl::expected<std::unique_ptr<UdpEngineClient>, std::string> Connect(std::uint16_
       EncodeSetup(test::SampleSetup()));
 }
 
-// The UDP socket of a program that takes no part in the run.
+// The UDP socket of a program that does not belong to the run.
 class Stranger {
  public:
   explicit Stranger(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
@@ -106,7 +108,7 @@ class Stranger {
 
 TEST(UdpEngine, ServesARunFromItsSetUpToItsCarvedState) {
   Engine engine;
-  engine.carved.resize(1'000'003);  // many windows of pieces
+  engine.carved.resize(1'000'003);  // so large that its pieces need many windows
   for (std::size_t i = 0; i < engine.carved.size(); ++i) engine.carved[i] = static_cast<std::uint8_t>(i * 7);
   auto client = Connect(engine.port);
   ASSERT_TRUE(client) << client.error();
@@ -120,7 +122,7 @@ TEST(UdpEngine, ServesARunFromItsSetUpToItsCarvedState) {
     EXPECT_EQ(frame.model.pose_stamp, 1000 * i) << "the stamp returns";
     EXPECT_EQ((*client)->Load().pose_stamp, 1000 * i);
   }
-  (*client)->Store(test::CommandAt(50'000));  // the same command again: nothing is sent
+  (*client)->Store(test::CommandAt(50'000));  // the same command again, so nothing is sent
   EXPECT_FALSE((*client)->AwaitFrame(frame, rt::MonotonicNow() + 20 * rt::kMillisecond));
   const auto carved = (*client)->FetchCarved(Soon());
   ASSERT_TRUE(carved) << carved.error();
@@ -182,7 +184,8 @@ TEST(UdpEngine, AnErrorTellsThatNoEngineListens) {
   EXPECT_THAT(client.error(), HasSubstr("does `osteon simulate --listen` run there"));
 }
 
-// A stranger sends noise, and valid messages of another session. The run goes on, and the server counts them.
+// A stranger sends noise, and valid messages of another session. The run must continue, and the server must
+// count these messages.
 TEST(UdpEngine, MessagesOfStrangersAreRejected) {
   Engine engine;
   auto client = Connect(engine.port);
@@ -206,8 +209,8 @@ TEST(UdpEngine, MessagesOfStrangersAreRejected) {
   EXPECT_GE(engine.counters().rejected, 4u);
 }
 
-// A large block is sent in pieces. Half of them get lost at random, and some arrive twice: the receiver asks
-// for the missing ones until the block is complete.
+// A large block is sent in pieces. Half of the pieces are lost at random, and some arrive twice. The receiver
+// must request the missing pieces until the block is complete.
 TEST(UdpEngine, LostPiecesAreRequestedAgain) {
   std::vector<std::uint8_t> block(100 * kPieceBytes + 17);
   for (std::size_t i = 0; i < block.size(); ++i) block[i] = static_cast<std::uint8_t>(i % 251);
@@ -221,10 +224,10 @@ TEST(UdpEngine, LostPiecesAreRequestedAgain) {
     if (!want) continue;
     AnswerWant(*want, block, [&](std::span<const std::uint8_t> piece) {
       random = random * 1664525u + 1013904223u;
-      if (random >> 31u) return;  // lost
+      if (random >> 31u) return;  // this piece is lost
       EXPECT_TRUE(receiver.Accept(piece));
       if ((random >> 29u) % 4 == 0) {
-        EXPECT_TRUE(receiver.Accept(piece));  // twice
+        EXPECT_TRUE(receiver.Accept(piece));  // this piece arrives twice
       }
     });
   }
@@ -235,7 +238,7 @@ TEST(UdpEngine, LostPiecesAreRequestedAgain) {
 TEST(UdpEngine, PiecesThatDoNotFitAreRefused) {
   BlockReceiver receiver(EngineBlock::kCarved, 2000);
   std::array<std::uint8_t, kPieceBytes + 9> content{};
-  // a piece of that block, with its number and a content of `size` bytes
+  // a piece of this block with this number; its content has `size` bytes
   const auto piece = [&](std::uint8_t block, std::uint64_t number, std::size_t size) {
     ByteWriter writer(content);
     writer.Put(block);

@@ -10,7 +10,7 @@
 #include "tests/io/fri/fri_golden.h"
 #include "tests/io/fri/fri_oracle.h"
 
-// The codec of FRI's messages, tested against fixed bytes (fri_golden.h) and against libprotobuf
+// Tests the codec of FRI's messages against fixed bytes (fri_golden.h) and against libprotobuf
 // (fri_oracle.h).
 
 namespace osteon::io {
@@ -36,13 +36,13 @@ std::vector<std::uint8_t> Encoded(const CommandMessage& message, FriFamily famil
   return buffer;
 }
 
-// The decoder's verdict on a datagram of an arm.
+// The decoder's error for an arm's datagram.
 CodecError ErrorOf(const std::vector<std::uint8_t>& datagram, FriFamily family = FriFamily::k1) {
   MonitoringMessage message;
   return DecodeMonitoring(family, datagram, message);
 }
 
-// Against fixed bytes, for every version.
+// --- against fixed bytes, for every version
 
 TEST(FriVersion, EachVersionBelongsToAFamily) {
   EXPECT_EQ(FamilyOf(FriVersion::k1_11), FriFamily::k1);
@@ -107,7 +107,8 @@ TEST(FriGolden, DecodesMonitoringMessagesOfEveryVersion) {
   }
 }
 
-// A message tells the family of versions that its arm speaks; a client of another family refuses it as such.
+// A message shows to which family of versions its arm belongs. A client of another family must refuse the
+// message for this reason.
 TEST(FriVersion, IsDetectedFromAMessage) {
   for (const FriFamily arm : kFamilies) {
     const auto bytes = Datagram(arm, Monitoring(8, fri::MONITORING_READY, arm));
@@ -118,7 +119,7 @@ TEST(FriVersion, IsDetectedFromAMessage) {
   }
   EXPECT_FALSE(DetectFamily({}));
   EXPECT_FALSE(DetectFamily(Encoded(CommandMessage{}))) << "not a monitoring message";
-  fri::FRIMonitoringMessage idle;  // an idle arm need not report more than its state
+  fri::FRIMonitoringMessage idle;  // an idle arm need not report anything but its state
   *idle.mutable_header() = Monitoring(1, fri::IDLE).header();
   *idle.mutable_connectioninfo() = Monitoring(1, fri::IDLE).connectioninfo();
   EXPECT_FALSE(DetectFamily(Bytes(idle)));
@@ -141,7 +142,7 @@ TEST(FriFrame, RefusesAWrongLengthOrChecksum) {
       << "no message inside";
 }
 
-// Against libprotobuf.
+// --- against libprotobuf
 
 TEST(FriMonitoring, DecodesMessagesOfLibprotobuf) {
   fri::FRIMonitoringMessage sent = Monitoring(300, fri::COMMANDING_ACTIVE);
@@ -229,7 +230,7 @@ TEST(FriMonitoring, DecodesPosesForceAndOutputsOfTheVersionsThatHaveThem) {
     EXPECT_FALSE(m.ios[0].analog);
     EXPECT_EQ(m.ios[1].direction, FriIoDirection::kOutput);
     EXPECT_EQ(m.ios[1].analog, -2.5);
-    // rotation by a third of a turn: it maps x to z, y to -x, z to -y
+    // a rotation by a third of a full turn, which maps x to z, y to -x, and z to -y
     ASSERT_EQ(m.transformations.size(), 2u);
     EXPECT_EQ(m.transformations[0].name.view(), "flange");
     EXPECT_EQ(m.transformations[0].time, (FriTime{5, 6}));
@@ -288,10 +289,10 @@ TEST(FriMonitoring, RefusesPosesOfWrongSizeOrWithoutARotation) {
   EXPECT_EQ(with(matrix, FriFamily::k1, std::string(64, 'n')), CodecError::kMalformed);
 }
 
-// A protobuf reader must accept packed repeated scalars as well.
+// By the rules of protobuf, a reader must also accept repeated numbers that are packed.
 TEST(FriMonitoring, AcceptsPackedJointValues) {
   std::string packed(1, '\x0a');
-  packed += '\x38';  // 56 bytes
+  packed += '\x38';  // length of the packed values: 56 bytes
   for (const double joint : Joints(0.1)) {
     std::array<char, sizeof joint> raw{};
     std::memcpy(raw.data(), &joint, sizeof joint);
@@ -301,7 +302,8 @@ TEST(FriMonitoring, AcceptsPackedJointValues) {
   std::string bytes;
   sent.mutable_monitordata()->clear_measuredjointposition();
   sent.SerializeToString(&bytes);
-  // monitorData (3) again, merged: measuredJointPosition (1) with the packed values
+  // field monitorData (3) once more, which a reader must merge with the first: it has measuredJointPosition
+  // (1) with the packed values
   bytes += std::string("\x1a\x3c\x0a\x3a", 4) + packed;
   MonitoringMessage m;
   ASSERT_EQ(DecodeMonitoring(FriFamily::k1, std::vector<std::uint8_t>(bytes.begin(), bytes.end()), m),
@@ -311,12 +313,13 @@ TEST(FriMonitoring, AcceptsPackedJointValues) {
 
 TEST(FriMonitoring, SkipsFieldsOfLaterVersions) {
   auto bytes = Bytes(Monitoring(1, fri::MONITORING_READY));
-  bytes.insert(bytes.end(), {0x7a, 0x02, 0x08, 0x05});  // endOfMessageData: known, unused
-  bytes.insert(bytes.end(), {0x8a, 0x01, 0x01, 0xff});  // field 17: unknown
+  bytes.insert(bytes.end(),
+               {0x7a, 0x02, 0x08, 0x05});  // the field endOfMessageData, which is known but not used
+  bytes.insert(bytes.end(), {0x8a, 0x01, 0x01, 0xff});  // field 17, which is unknown
   EXPECT_EQ(ErrorOf(bytes), CodecError::kNone);
 }
 
-// Each change to a valid message is refused, with the reason that fits it.
+// Each of these changes to a valid message must be refused, with the matching reason.
 TEST(FriMonitoring, RefusesEachDefectWithItsReason) {
   using Change = std::function<void(fri::FRIMonitoringMessage&)>;
   const auto with = [](const Change& change) {
@@ -356,17 +359,17 @@ TEST(FriMonitoring, RefusesEachDefectWithItsReason) {
   }
 }
 
-// libprotobuf cannot write an enum value that does not exist, so the test changes the encoded bytes.
+// libprotobuf can't write an enum value that does not exist, so the test changes the encoded bytes.
 TEST(FriMonitoring, RefusesAnEnumThatDoesNotExist) {
   fri::ConnectionInfo connection = Monitoring(1, fri::MONITORING_READY).connectioninfo();
   const auto good = Bytes(connection);
   auto bytes = Bytes(Monitoring(1, fri::MONITORING_READY));
   const auto at = std::search(bytes.begin(), bytes.end(), good.begin(), good.end());
   ASSERT_NE(at, bytes.end());
-  *(at + 1) = 5;  // sessionState
+  *(at + 1) = 5;  // value of sessionState
   EXPECT_EQ(ErrorOf(bytes), CodecError::kOutOfRange);
   *(at + 1) = 2;
-  *(at + 3) = 4;  // quality
+  *(at + 3) = 4;  // value of the connection's quality
   EXPECT_EQ(ErrorOf(bytes), CodecError::kOutOfRange);
   *(at + 3) = 3;
   EXPECT_EQ(ErrorOf(bytes), CodecError::kNone);
@@ -377,7 +380,7 @@ TEST(FriMonitoring, RefusesEmptyTruncatedAndOversizedMessages) {
   auto bytes = Bytes(Monitoring(1, fri::COMMANDING_ACTIVE));
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_NE(ErrorOf({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}), CodecError::kNone);
-  // unknown fields are legal in protobuf, but not beyond the datagram's size
+  // unknown fields are legal in protobuf, but the datagram must not exceed its largest size
   while (bytes.size() <= kFriMaxDatagram) bytes.insert(bytes.end(), {0x88, 0x01, 0x01});
   EXPECT_EQ(ErrorOf(bytes), CodecError::kTooLong);
 }

@@ -11,7 +11,7 @@
 #include "tests/io/fri/fri_golden.h"
 #include "tests/io/fri/fri_oracle.h"
 
-// The guard's reader of the commands that a controller sends to its arm.
+// Tests the guard's reader of the commands that a controller sends to its arm.
 
 namespace osteon::io {
 namespace {
@@ -39,7 +39,7 @@ fri::FRICommandMessage PositionCommand() {
   return m;
 }
 
-// The verdict of ReadCommand on this message.
+// The error of ReadCommand for this message.
 FriCommandError Read(const google::protobuf::MessageLite& message, FriFamily family = FriFamily::k1) {
   FriReadCommand command;
   return ReadCommand(family, test::Datagram(family, message), command);
@@ -83,13 +83,14 @@ TEST(FriCommandReader, ReadsTheControllersCommandsInEveryFamily) {
   }
 }
 
-// An arm and the guard must not read two different commands from one datagram, so an ambiguous one is
-// refused.
+// The guard and the arm must not read different commands from the same datagram. Therefore the guard must
+// refuse a datagram that can be read in two ways.
 TEST(FriCommandReader, RefusesDatagramsThatAnArmMightReadDifferently) {
   EXPECT_EQ(Read(PositionCommand()), FriCommandError::kNone);
   auto twice = test::Bytes(PositionCommand());
   const auto again = twice;
-  twice.insert(twice.end(), again.begin(), again.end());  // protobuf merges: fourteen joints
+  twice.insert(twice.end(), again.begin(),
+               again.end());  // protobuf merges both parts, which gives fourteen joints
   FriReadCommand command;
   EXPECT_EQ(ReadCommand(FriFamily::k1, twice, command), FriCommandError::kMalformed);
 
@@ -111,7 +112,7 @@ TEST(FriCommandReader, RefusesDatagramsThatAnArmMightReadDifferently) {
   EXPECT_EQ(Read(m, FriFamily::k2_5), FriCommandError::kNone);
 
   auto bytes = test::Bytes(PositionCommand());
-  bytes.insert(bytes.end(), {0x98, 0x06, 0x01});  // field 99, a varint
+  bytes.insert(bytes.end(), {0x98, 0x06, 0x01});  // field 99 with a varint
   EXPECT_EQ(ReadCommand(FriFamily::k1, bytes, command), FriCommandError::kMalformed);
   EXPECT_EQ(ReadCommand(FriFamily::k1, {}, command), FriCommandError::kMalformed);
   EXPECT_EQ(ReadCommand(FriFamily::k1, std::vector<std::uint8_t>(1501, 0), command),
@@ -124,8 +125,8 @@ TEST(FriCommandReader, RefusesDatagramsThatAnArmMightReadDifferently) {
   EXPECT_EQ(ReadCommand(FriFamily::k2_7, framed, command), FriCommandError::kChecksum);
 }
 
-// If a damaged datagram is accepted, libprotobuf must read the same joints, wrench, torques and counters from
-// it, or must refuse it altogether.
+// If the guard accepts a damaged datagram, libprotobuf must read the same joints, wrench, torques and
+// counters from it, or must refuse it.
 TEST(FriCommandReader, LibprotobufReadsTheSameFromEachAcceptedDatagram) {
   google::protobuf::SetLogHandler(nullptr);
   std::mt19937 random(20261122);
@@ -158,7 +159,8 @@ TEST(FriCommandReader, LibprotobufReadsTheSameFromEachAcceptedDatagram) {
     ++taken;
     changed += bytes != whole;
     const auto oracle = test::Command(bytes);
-    // damaged in a part that the guard does not read (a frame or an output): no arm accepts any of it
+    // the damage is in a part that the guard does not read (a frame or an output); an arm refuses such a
+    // datagram as a whole
     if (!oracle) {
       ++refused;
       continue;

@@ -4,7 +4,8 @@
 
 #include "tests/io/fri/fri_session_fixture.h"
 
-// How FriSession counts messages and answers that were lost, doubled, overtaken or of another client.
+// Tests how FriSession counts messages and answers that were lost or doubled, that overtook others, or that
+// belong to another client.
 
 namespace osteon::io {
 namespace {
@@ -15,16 +16,16 @@ using test::Joints;
 using test::Monitoring;
 
 TEST_F(FriSessionTest, CountsAnswersThatTheArmDidNotReceive) {
-  // accepts a message that reflects that answer of ours; returns the number of the next answer
+  // accepts a message that reflects this answer of the session; returns the number of the next answer
   const auto exchange = [&](std::uint32_t sequence, std::uint32_t reflected) {
     fri::FRIMonitoringMessage m = Monitoring(sequence, fri::MONITORING_READY);
     m.mutable_header()->set_reflectedsequencecounter(reflected);
     EXPECT_EQ(session_.Accept(Bytes(m), 1, state_), FriAccept::kAccepted);
     return Answer(Joints(0.0)).header().sequencecounter();
   };
-  EXPECT_EQ(exchange(10, 0), 1u);  // none of ours received
+  EXPECT_EQ(exchange(10, 0), 1u);  // the arm has received no answer of the session
   EXPECT_EQ(exchange(11, 0), 2u);
-  EXPECT_EQ(exchange(12, 2), 3u);  // 1 was lost
+  EXPECT_EQ(exchange(12, 2), 3u);  // answer 1 was lost
   EXPECT_EQ(state_.answers_lost, 1u);
   EXPECT_EQ(exchange(13, 3), 4u);
   EXPECT_EQ(exchange(14, 3), 5u);
@@ -33,8 +34,8 @@ TEST_F(FriSessionTest, CountsAnswersThatTheArmDidNotReceive) {
   EXPECT_EQ(exchange(16, 6), 7u);
   EXPECT_EQ(state_.answers_lost, 3u);
   EXPECT_EQ(state_.answers_foreign, 0u);
-  EXPECT_EQ(exchange(17, 900), 8u);  // never sent
-  EXPECT_EQ(exchange(18, 2), 9u);    // goes back
+  EXPECT_EQ(exchange(17, 900), 8u);  // an answer that the session never sent
+  EXPECT_EQ(exchange(18, 2), 9u);    // an older answer than before
   EXPECT_EQ(state_.answers_foreign, 2u);
   EXPECT_EQ(exchange(19, 9), 10u);
   EXPECT_EQ(state_.answers_lost, 5u);
@@ -53,7 +54,7 @@ TEST_F(FriSessionTest, ReflectsTheArmsCounterAndNumbersItsAnswers) {
 
 TEST_F(FriSessionTest, AnswersOnlyEveryThirdMessageIfTheMultiplierIsThree) {
   std::vector<std::uint32_t> answered;
-  for (const std::uint32_t sequence : {0u, 1u, 2u, 3u, 4u, 6u, 7u, 8u}) {  // 5 is lost
+  for (const std::uint32_t sequence : {0u, 1u, 2u, 3u, 4u, 6u, 7u, 8u}) {  // message 5 is lost
     fri::FRIMonitoringMessage m = Monitoring(sequence, fri::MONITORING_READY);
     m.mutable_connectioninfo()->set_receivemultiplier(3);
     session_.Accept(Bytes(m), 1, state_);
@@ -66,9 +67,9 @@ TEST_F(FriSessionTest, CountsLossDuplicatesAndReordering) {
   EXPECT_EQ(AcceptMessage(10), FriAccept::kAccepted);
   EXPECT_EQ(AcceptMessage(11), FriAccept::kAccepted);
   EXPECT_EQ(AcceptMessage(11), FriAccept::kDuplicate);
-  EXPECT_EQ(AcceptMessage(15), FriAccept::kAccepted);  // 12, 13, 14 missing
+  EXPECT_EQ(AcceptMessage(15), FriAccept::kAccepted);  // messages 12, 13 and 14 are missing
   EXPECT_EQ(state_.lost, 3u);
-  EXPECT_EQ(AcceptMessage(13), FriAccept::kReordered);  // arrived after all
+  EXPECT_EQ(AcceptMessage(13), FriAccept::kReordered);  // one of the missing messages arrives late
   EXPECT_EQ(AcceptMessage(13), FriAccept::kDuplicate);
   EXPECT_EQ(AcceptMessage(10), FriAccept::kDuplicate);
   EXPECT_EQ(state_.sequence, 15u) << "never goes back";

@@ -7,7 +7,7 @@
 
 #include "tests/io/fri/fri_session_fixture.h"
 
-// FriSession::Diagnosis(): the text that tells an operator why the arm is not commanded.
+// Tests FriSession::Diagnosis(), the text that tells an operator why the arm is not commanded.
 
 namespace osteon::io {
 namespace {
@@ -17,7 +17,8 @@ using test::Bytes;
 using test::Datagram;
 using test::Monitoring;
 
-constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5, FriVersion::k2_7};  // one of each family
+constexpr std::array kFamilies{FriVersion::k1_15, FriVersion::k2_5,
+                               FriVersion::k2_7};  // one version of each family
 
 TEST_F(FriSessionTest, SaysWhichVersionTheArmSpeaks) {
   for (const FriVersion arm : kFamilies)
@@ -72,8 +73,8 @@ TEST_F(FriSessionTest, NamesTheConditionThatKeepsTheArmFromMoving) {
                        "Not all drives"));
 }
 
-// As in a public log: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. The quality of an arm that has
-// ended its session says nothing about the network.
+// The states of a public log: MONITORING_WAIT, MONITORING_READY, and 83 ms later IDLE. Once the arm has ended
+// its session, the quality that it reports says nothing about the network.
 TEST_F(FriSessionTest, ASessionThatTheArmEndedIsNotReportedAsPoorConnection) {
   ASSERT_EQ(AcceptMessage(1, fri::MONITORING_WAIT), FriAccept::kAccepted);
   ASSERT_EQ(AcceptMessage(2, fri::MONITORING_READY), FriAccept::kAccepted);
@@ -96,8 +97,8 @@ TEST_F(FriSessionTest, ReportsThatTheArmLeftCommanding) {
             "commanding.");
 }
 
-// A message with a measured joint that is not a number does not count as silence: the loop gets its joints
-// and its time, so that it can stop, but nothing else from the message.
+// One measured joint in a message is not a number. The message must not count as silence: the loop gets its
+// joints and its time, so that it can stop, but nothing else from it.
 TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
   ASSERT_EQ(AcceptMessage(1, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   (void)Answer(state_.q_ipo);
@@ -112,11 +113,11 @@ TEST_F(FriSessionTest, AJointThatIsNotANumberReachesTheLoopAndIsNotAnswered) {
   EXPECT_EQ(session_.last_error(), CodecError::kNotFinite);
   EXPECT_TRUE(
       session_.Answer(control::ArmCommand{.q = state_.q_ipo, .activation = state_.activation}).empty());
-  // and the session goes on
+  // the next valid message is accepted, so the session continues
   ASSERT_EQ(AcceptMessage(3, fri::COMMANDING_ACTIVE), FriAccept::kAccepted);
   EXPECT_EQ(state_.lost, 1u);
 
-  // any other value that is not a number is still refused
+  // a message in which any other value is not a number must still be refused
   fri::FRIMonitoringMessage torque = Monitoring(4, fri::COMMANDING_ACTIVE);
   torque.mutable_monitordata()->mutable_measuredtorque()->set_value(2, std::nan(""));
   EXPECT_EQ(session_.Accept(Bytes(torque), 78'000, state_), FriAccept::kRejected);

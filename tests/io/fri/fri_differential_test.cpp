@@ -7,9 +7,10 @@
 #include "tests/io/fri/fri_oracle.h"
 #include "tests/io/fri/fri_wire_tree.h"
 
-// The codec and libprotobuf read the same randomly changed messages. Both must accept or refuse the same
-// ones, for the same reason, and read the same values. fri_expected.h states the codec's rules a second time;
-// fri_wide_oracle.h lists where libprotobuf alone accepts more.
+// The codec and libprotobuf read the same messages, which were changed at random. Both must accept or refuse
+// the same messages, for the same reason, and must read the same values. fri_expected.h implements the
+// codec's rules a second time. fri_wide_oracle.h lists the cases in which libprotobuf accepts more than the
+// codec.
 
 namespace osteon::io {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr unsigned kSeed = 20240901;
 constexpr std::array kFamilies{FriFamily::k1, FriFamily::k2_5, FriFamily::k2_7};
 
-// A message with every field of a version; repeated fields have two elements.
+// A message with every field that its version has. Repeated fields have two elements.
 fri::FRIMonitoringMessage FullMessage(std::uint32_t sequence, fri::SessionState state, FriFamily family) {
   fri::FRIMonitoringMessage m = test::Monitoring(sequence, state, family);
   for (const char* name : {"Drill.On", "Pump.Flow"}) {
@@ -42,8 +43,8 @@ fri::FRIMonitoringMessage FullMessage(std::uint32_t sequence, fri::SessionState 
   return m;
 }
 
-// Whether the bytes may contain a tag of more than 32 bits or a varint of more than 64, which libprotobuf
-// truncates.
+// Whether the bytes may contain a tag of more than 32 bits or a varint of more than 64 bits. libprotobuf
+// truncates such numbers.
 bool MayHaveCutNumber(std::span<const std::uint8_t> bytes) {
   int high = 0;
   for (const std::uint8_t byte : bytes) {
@@ -55,8 +56,8 @@ bool MayHaveCutNumber(std::span<const std::uint8_t> bytes) {
 
 class FriDifferential : public testing::Test {
  protected:
-  // Decodes a message by both, and expects equal verdicts and values. @param inside  the message without the
-  // frame of 2.7 @returns the codec's verdict
+  // Decodes a message with the codec and with libprotobuf. Expects equal errors and equal values.
+  // @param inside  the message without the frame of 2.7 @returns the codec's error
   CodecError Compare(FriFamily family, const std::vector<std::uint8_t>& inside) {
     const auto datagram = family == FriFamily::k2_7 ? test::Framed(inside) : inside;
     const test::Expected expected(family, inside, oracle_);
@@ -66,7 +67,8 @@ class FriDifferential : public testing::Test {
       EXPECT_EQ(error, CodecError::kTooLong);
       return error;
     }
-    // The codec refused a number that libprotobuf truncated: compare with libprotobuf's rewritten message.
+    // The codec has refused a number that libprotobuf has truncated. Compare the results for the message as
+    // libprotobuf writes it.
     if (error == CodecError::kMalformed && error != expected.error() && MayHaveCutNumber(inside)) {
       ++cut_numbers_;
       return DecodeAsRewritten(family, expected);
@@ -78,8 +80,8 @@ class FriDifferential : public testing::Test {
     return error;
   }
 
-  // Decodes the message as libprotobuf writes it again, with the truncated number; expects the rules'
-  // verdict.
+  // Decodes the message as libprotobuf writes it again, with the truncated number. Expects the error that
+  // follows from the rules.
   CodecError DecodeAsRewritten(FriFamily family, const test::Expected& expected) {
     const auto rewritten = expected.Rewritten();
     MonitoringMessage m;
@@ -113,7 +115,7 @@ TEST_F(FriDifferential, ChangedFieldsAreReadAlike) {
     ++verdicts[Compare(family, test::WriteTree(*tree))];
   }
   EXPECT_LT(cut_numbers_, 100);
-  // each reason has occurred, and so has success
+  // each error must have occurred, and success as well
   for (const CodecError error :
        {CodecError::kNone, CodecError::kMalformed, CodecError::kWrongId, CodecError::kMissingField,
         CodecError::kWrongCount, CodecError::kNotFinite, CodecError::kOutOfRange, CodecError::kOtherVersion})
@@ -140,11 +142,11 @@ TEST_F(FriDifferential, ChangedBytesAreReadAlike) {
   EXPECT_GT(accepted, 5'000) << "most doubles, names and stamps may change";
 }
 
-// Each case is one rule of protobuf's wire format, in bytes that real arms do not send.
+// Each case is one rule of protobuf's wire format. Real arms do not send these bytes.
 TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
   using Bytes = std::vector<std::uint8_t>;
   const Bytes whole = test::Bytes(test::Monitoring(300, fri::MONITORING_READY));
-  // verdict on a valid message with these bytes appended
+  // the error for a valid message with these bytes appended
   const auto with = [&](const Bytes& more) {
     Bytes bytes = whole;
     bytes.insert(bytes.end(), more.begin(), more.end());
@@ -157,7 +159,7 @@ TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
     return m.sequence;
   };
 
-  // the last value counts, and a repeated nested message is merged
+  // if a field occurs twice, its last value counts; if a nested message occurs twice, both are merged
   Bytes again = whole;
   again.insert(again.end(), {0x0a, 0x02, 0x10, 0x05});
   EXPECT_EQ(sequence_of(again), 5u);
@@ -168,7 +170,7 @@ TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
       << "a header in two parts is one";
   EXPECT_EQ(Compare(FriFamily::k1, {0x0a, 0x04, 0x08, 0x01, 0x10, 0x02}), kMalformed) << "and in one is none";
 
-  // unknown fields of every type are skipped; groups are errors
+  // unknown fields of every type must be skipped; groups must be refused
   EXPECT_EQ(with({0x80, 0x01, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x01}), kNone);
   EXPECT_EQ(with({0x81, 0x01, 1, 2, 3, 4, 5, 6, 7, 8}), kNone);
   EXPECT_EQ(with({0x82, 0x01, 0x02, 1, 2}), kNone);
@@ -177,7 +179,7 @@ TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
   EXPECT_EQ(with({0x84, 0x01}), kMalformed) << "its end";
   EXPECT_EQ(with({0x86, 0x01}), kMalformed) << "no wire type";
 
-  // field 0, a varint of eleven bytes, one of 65 bits, a tag and a length of six bytes
+  // refused are: field 0, a varint of eleven bytes, a varint of 65 bits, and a tag and a length of six bytes
   EXPECT_EQ(with({0x00, 0x00}), kMalformed);
   EXPECT_EQ(with({0x02, 0x00}), kMalformed);
   EXPECT_EQ(with({0x80, 0x01, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x00}), kMalformed);
@@ -185,14 +187,14 @@ TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
   EXPECT_EQ(with({0x80, 0x81, 0x80, 0x80, 0x80, 0x00, 0x00}), kMalformed);
   EXPECT_EQ(with({0x82, 0x01, 0x80, 0x80, 0x80, 0x80, 0x80, 0x00}), kMalformed);
 
-  // each way to end within a field
+  // the message ends within a field, in each possible way
   for (const Bytes& cut :
        {Bytes{0x80}, Bytes{0x80, 0x01}, Bytes{0x80, 0x01, 0x80}, Bytes{0x81, 0x01, 1, 2, 3, 4, 5, 6, 7},
         Bytes{0x82, 0x01}, Bytes{0x82, 0x01, 0x02, 1}, Bytes{0x85, 0x01, 1, 2, 3},
         Bytes{0x82, 0x01, 0xff, 0xff, 0xff, 0xff, 0x0f}})
     EXPECT_EQ(with(cut), kMalformed);
 
-  // known fields of another type, numbers beyond 32 bits
+  // refused are: known fields of a wrong type, and numbers of more than 32 bits
   EXPECT_EQ(with({0x0d, 1, 2, 3, 4}), kMalformed) << "a header of four bytes";
   EXPECT_EQ(with({0x0a, 0x05, 0x15, 1, 2, 3, 4}), kMalformed) << "a counter of four bytes";
   EXPECT_EQ(with({0x0a, 0x06, 0x10, 0xff, 0xff, 0xff, 0xff, 0x0f}), kNone) << "the largest counter";
@@ -204,7 +206,7 @@ TEST_F(FriDifferential, CodecFollowsEachRuleOfTheWireFormat) {
   EXPECT_EQ(with(safety), CodecError::kOutOfRange) << "a negative enum";
   EXPECT_EQ(with({0x12, 0x06, 0x10, 0x80, 0x80, 0x80, 0x80, 0x10}), kMalformed) << "an enum beyond 32 bits";
 
-  // drive states: packed, none at all, one too many
+  // the drive states are packed, missing, or one too many
   EXPECT_EQ(with({0x12, 0x02, 0x2a, 0x00}), kNone);
   EXPECT_EQ(with({0x12, 0x02, 0x28, 0x02}), kMalformed) << "an eighth";
   EXPECT_EQ(with({0x12, 0x03, 0x2a, 0x01, 0x02}), kMalformed) << "an eighth, packed";

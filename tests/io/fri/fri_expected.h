@@ -10,15 +10,16 @@
 #include "io/fri/codec.h"
 #include "tests/io/fri/fri_wide_oracle.h"
 
-// The expected result of the codec for a monitoring message: its values as libprotobuf reads them, and the
-// codec's rules (codec.h) written a second time.
+// The result that the codec must have for a monitoring message: the values as libprotobuf reads them, and the
+// codec's rules (codec.h) in a second implementation.
 
 namespace osteon::io::test {
 
-/// What the codec must find in a message: the first broken rule, or none and these values.
+/// The result that the codec must have for a message: either the first rule that is broken, or these values.
 class Expected {
  public:
-  /// @param inside  the message without the frame of 2.7; @param oracle  refuses malformed messages
+  /// @param inside  the message without the frame of 2.7
+  /// @param oracle  parses the message with libprotobuf; refuses malformed messages
   Expected(FriFamily family, std::span<const std::uint8_t> inside, const WideOracle& oracle)
       : family_(family), message_(oracle.Parse(inside)) {
     error_ = message_ == nullptr ? CodecError::kMalformed : FirstBrokenRule(WirePart(message_.get()));
@@ -32,8 +33,8 @@ class Expected {
   }
   [[nodiscard]] WirePart message() const { return WirePart(message_.get()); }
 
-  /// Compares the codec's message with libprotobuf's, to the last bit except for poses, whose lengths are
-  /// scaled. Empty if they are equal, else the differing fields.
+  /// Compares the codec's message with libprotobuf's. All values must agree to the last bit. Poses are the
+  /// exception, because their lengths are scaled. @returns the fields that differ; empty if there are none
   [[nodiscard]] std::string Difference(const MonitoringMessage& m) const {
     const WirePart w = message(), header = w.Part("header"), connection = w.Part("connectionInfo"),
                    robot = w.Part("robotInfo"), monitor = w.Part("monitorData"), ipo = w.Part("ipoData");
@@ -92,7 +93,8 @@ class Expected {
       auto element = frames[i].Reals("element");
       const Pose X = frame.X;
       if (element.empty()) same("identity", X.isApprox(Pose::Identity(), 0.0), true);
-      if (element.size() == 7)  // the quaternion's lengths come first, the matrix's are its last column
+      if (element.size() ==
+          7)  // in a quaternion's pose the lengths come first; in a matrix they are the last column
         same("position", X.translation().isApprox(Vector3(element[0], element[1], element[2]) * 1e-3, 1e-14),
              true);
       if (element.size() == 12)
@@ -109,7 +111,7 @@ class Expected {
   static Values ToVector(const std::optional<std::array<double, N>>& values) {
     return values ? Values(std::vector<double>(values->begin(), values->end())) : std::nullopt;
   }
-  // The numbers in a message's field `name`; nullopt if the field is absent.
+  // The numbers in the field `name` of a message; nullopt if the message does not have this field.
   static Values ValuesOf(const WirePart& part, const char* name, const char* values) {
     return part.Has(name) ? Values(part.Part(name).Reals(values)) : std::nullopt;
   }
@@ -119,9 +121,9 @@ class Expected {
     return FriTime{static_cast<std::uint32_t>(time.Int("sec")),
                    static_cast<std::uint32_t>(time.Int("nanosec"))};
   }
-  // The codec's names end at the first zero byte.
+  // The text up to its first zero byte, as the codec reads a name.
   static std::string UpToNul(const std::string& text) { return text.c_str(); }
-  // All parts of a pose, bit for bit, as bytes that can be compared.
+  // All parts of a pose, bit for bit, as text that can be compared.
   static std::string PoseText(const std::string& name, const std::vector<double>& element,
                               const std::optional<FriTime>& time,
                               const std::optional<FriRedundancy>& redundancy) {
@@ -150,7 +152,7 @@ class Expected {
                         : std::nullopt);
   }
 
-  // The rules. Require() keeps the reason of the first broken one.
+  // The codec's rules. Require() keeps the reason of the first rule that is broken.
 
   void Require(bool holds, CodecError reason) {
     if (!holds && first_broken_ == CodecError::kNone) first_broken_ = reason;
@@ -167,7 +169,7 @@ class Expected {
     Require(listed.size() == size, CodecError::kWrongCount);
     Require(listed.size() != size || AllFinite(listed), CodecError::kNotFinite);
   }
-  // 7 elements: position and unit quaternion; 12: the rows of [R | p].
+  // A pose has 7 elements (position and unit quaternion) or 12 elements (the rows of [R | p]).
   void RequirePoseElements(const std::vector<double>& element, std::size_t size) {
     Require(element.size() == size, CodecError::kWrongCount);
     if (element.size() != size) return;
