@@ -68,7 +68,7 @@ struct BoneMeshes {
 void CarveAlong(surface::CarvedField& field, const simulation::ToolPath& path);
 void CarveAlong(surface::CarvedField& field, std::span<const simulation::ToolPath> paths);
 
-/// What the view shows at first.
+/// The view as it is at first.
 struct BoneViewStart {
   bool shows_deviation{false};  ///< false: shows the tissues' colours
   double range_mm{0.0};         ///< deviation at the end of the colour scale; 0: the rounded 95th percentile

@@ -36,7 +36,7 @@ struct ConsoleStream {
   const SurfaceStore& surface;
 };
 
-/// What a console shows, and the functions by which it acts on the cell.
+/// The contents that a console shows, and the functions by which it acts on the cell.
 struct ConsoleParams {
   /// The address to listen on. For any address but the loopback's, a page needs a token, which the server
   /// makes.

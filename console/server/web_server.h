@@ -15,7 +15,7 @@ namespace osteon::console {
 /// The text, or an empty text for the null pointer that civetweb returns for an absent text.
 [[nodiscard]] inline std::string_view OrEmpty(const char* text) { return text == nullptr ? "" : text; }
 
-/// What a web server serves, and at which address.
+/// The files and handlers that a web server serves, and its address.
 struct WebServerParams {
   std::string name;               ///< in errors: "console"
   std::string option;             ///< in errors, the option that sets another address: "--console"

@@ -11,7 +11,7 @@ namespace osteon::hil {
 
 /// Parameters of DynamicArm. All values are assumed: none was measured on an arm.
 struct DynamicArmParams {
-  /// Of the position controller; dead time and damping ratio mean the same as in ServoArm.
+  /// Figures of the position controller; dead time and damping ratio mean the same as in ServoArm.
   double bandwidth_hz{15.0};
   double damping_ratio{1.0};
   int dead_cycles{3};  ///< whole periods from a command to its first effect, 0 … 32

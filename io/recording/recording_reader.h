@@ -61,7 +61,7 @@ class RecordingStream {
 
   /// Valid after the last message: as Recording::complete and Recording::read_bytes.
   [[nodiscard]] bool complete() const { return reader_.complete() && !cut_off_; }
-  /// What is wrong with the file's end, with the byte: the file ends early, or bytes follow its closing
+  /// The defect of the file's end, with the byte: the file ends early, or bytes follow its closing
   /// magic. Empty if nothing is wrong. Valid after the last message.
   [[nodiscard]] std::string EndError() const;
   [[nodiscard]] const McapReader& file() const { return reader_; }

@@ -167,7 +167,7 @@ class WindingLevel {
     return block == kSurface ? kInside - winding_.At(p_m) : kInside - static_cast<double>(block);
   }
 
-  /// Of the blocks whose centres lie inside, the share whose winding number is above kSolidWinding.
+  /// Share of the blocks whose centres lie inside that have a winding number above kSolidWinding.
   [[nodiscard]] double SolidShare() const {
     std::size_t inside = 0, solid = 0;
     for (std::size_t z = 0; z < size_[2]; ++z)

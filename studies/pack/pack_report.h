@@ -27,7 +27,7 @@ struct PackReportInput {
   const simulation::CutZone& zone;
   simulation::MassPointParams point_params{};
   simulation::MassProperties mass{};  ///< of the mass points
-  /// Of the mass points, if every material had 1000 kg/m³.
+  /// Mass properties of the mass points, if every material had 1000 kg/m³.
   std::optional<simulation::MassProperties> even_points{};
   std::optional<simulation::MassProperties> even_solid{};  ///< of the solid with 1000 kg/m³, in closed form
   simulation::PackingProvenance provenance{};

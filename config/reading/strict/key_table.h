@@ -81,14 +81,14 @@ class KeyRecorder {
   void Finish(const std::string& place);
   struct Ended {};
 
-  /// What one run noted about one mapping.
+  /// The notes of one run about one mapping.
   struct Mapping {
     std::map<std::string, KeyInfo> keys;
     std::map<std::string, bool> optional;  // optional keys, and whether this run treats them as present
     std::map<std::string, std::string> words;
     bool finished{false};
   };
-  /// What one run of the loader noted.
+  /// The notes of one run of the loader.
   struct Run {
     std::map<std::string, Mapping> mappings;  // by place in the file: "", "limits.", "zones[]."
   };

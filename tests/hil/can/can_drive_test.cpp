@@ -145,7 +145,9 @@ TEST(DriveDevice, AQuickStopFollowsItsOptionCode) {
     double ramp_rpm_per_s;       // 0: the motor coasts
   };
   const Row rows[]{
-      {0, "5002", "5002", 0},     {1, "1702", "5002", 2000}, {2, "1702", "5002", 20000},
+      {0, "5002", "5002", 0},
+      {1, "1702", "5002", 2000},
+      {2, "1702", "5002", 20000},
       {5, "1702", "1706", 2000},  // with options 5 and 6 the drive stays in quick stop; bit 10 then reports
                                   // that the stop is finished
       {6, "1702", "1706", 20000},
