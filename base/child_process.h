@@ -39,11 +39,11 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Whether the process has ended. One thread only.
+  /// Whether the process has ended. Call this and End from the same thread.
   [[nodiscard]] bool Ended();
   /// Sends a signal; does nothing if the process has ended. Any thread.
   void Send(int signal_number) const;
-  /// Waits for the end of the process, and kills it after `patience`.
+  /// Waits until the process ends by itself, and kills it (SIGKILL) if it still runs after `patience`.
   /// @returns the exit code as a shell shows it: 128 + the signal if a signal ended it.
   int End(std::chrono::milliseconds patience);
 

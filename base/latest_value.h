@@ -15,10 +15,11 @@ namespace osteon::rt {
 ///     writer: back ──exchange──▶ middle ◀──exchange── front : reader
 ///
 /// The writer never waits and overwrites a value that was not read; the reader always gets the newest
-/// complete value. One atomic byte holds the roles of the three slots: bits 0-1 are the middle slot, bit 2
-/// says "middle is newer than front". Memory order: the exchange in Store releases the slot that the writer
-/// has filled and acquires the slot that it gets in return. The exchange in Load does the same for the
-/// reader's slots.
+/// complete value. The threads share one atomic byte beside the slots, middle_: bits 0-1 are the index of
+/// the middle slot, bit 2 says "middle is newer than front". The writer alone keeps the index of the back
+/// slot, the reader alone that of the front slot. Memory order: the exchange in Store releases the slot that
+/// the writer has filled and acquires the slot that it gets in return. The exchange in Load does the same for
+/// the reader's slots.
 template <class T>
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<T>, "a torn-free hand-over is promised for plain data only");
@@ -43,7 +44,7 @@ class LatestValue {
   }
 
  private:
-  static constexpr std::uint8_t kIndex = 3, kFresh = 4;  // bits of middle_: slot, newer than front
+  static constexpr std::uint8_t kIndex = 3, kFresh = 4;  // middle_: mask of the index; bit for "newer"
   struct alignas(64) Slot {
     T value{};
   };

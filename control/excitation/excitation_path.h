@@ -36,7 +36,9 @@ struct ExcitationStep {
 /// and then the counted periods. From one draw x_before to the next, x_draw, the offset is cross-faded within
 /// kFade_s. In the same way it begins from zero and ends at zero.
 ///
-///     x(t) = (1 - s) x_before(t) + s x_draw(t)          s = quintic of the draw's first kFade_s
+///     x(t) = (1 - s) x_before(t) + s x_draw(t)
+///
+/// s rises from 0 to 1 along a quintic in the draw's first kFade_s, and then stays 1.
 ///
 /// The time t runs on a PausableClock. Without permission, the motion comes to rest on its path within
 /// pause_s. When permission returns, it continues with a new settling period, because a period that a pause
@@ -60,6 +62,8 @@ class ExcitationPath {
   [[nodiscard]] double rms_speed_m_per_s() const;
 
  private:
+  // Counts a tick of the present period; after the period's last tick, begins the next period or draw, or the
+  // fade to zero.
   void Count() OSTEON_RT;
   [[nodiscard]] double Offset() const OSTEON_RT;
 
@@ -71,7 +75,7 @@ class ExcitationPath {
   double t_s_{0.0};      // the path's own time
   double faded_s_{0.0};  // time since the present draw, or the final fade, began
   ExcitationPart part_{ExcitationPart::kSettling};
-  int ticks_{0};         // ticks at full rate in the present period
+  int ticks_{0};         // ticks of the present period in which clock_ ran at full rate
   std::size_t draw_{0};  // index of the present draw
   int period_{0};        // counted periods finished in this draw
 };

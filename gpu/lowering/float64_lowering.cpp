@@ -185,7 +185,8 @@ class Lowering {
     return id;
   }
 
-  // Emits the types of double-singles first, because the lowered types refer to them.
+  // Emits ahead of all other types the types float, uint and vec2 and the constants that the lowered types
+  // and instructions refer to.
   void EmitTypes() {
     for (const Instruction& instruction : in_)
       if ((instruction.op == kTypeFloat || instruction.op == kTypeInt || instruction.op == kTypeVector) &&
@@ -275,8 +276,8 @@ class Lowering {
     out_.push_back(std::move(lowered));
   }
 
-  // Lowers an arithmetic instruction whose result consists of `result_doubles` doubles. Returns false if the
-  // instruction only moves values; the caller then copies it.
+  // Lowers an instruction whose result consists of `result_doubles` doubles. Returns false if the instruction
+  // stays valid with a lowered result type; the caller then copies it.
   bool LowerArithmetic(const Instruction& instruction, Word result_doubles) {
     const Words& w = instruction.words;
     switch (instruction.op) {
@@ -435,7 +436,7 @@ class Lowering {
   std::map<Word, std::pair<Word, Word>> vectors_;  // component type and number of components, by vector type
   std::map<Word, Word> type_of_;                   // type of a value in the original module
   std::map<Word, Word> float_of_;  // id of the float that a double equals exactly, by the double's id
-  // for the words of a lowered function type: the id of the first such type
+  // id of the first function type with a signature, by the signature: result and parameter types, lowered
   std::map<Words, Word> signatures_;
   std::map<Word, Word> same_signature_;  // for each function type: the equal type that is kept
   std::map<Word, Word> sizes_;           // ids of the constants 2, 3, 4

@@ -52,6 +52,7 @@ class SocketCanBus final : public CanBus {
 
  private:
   explicit SocketCanBus(int socket) : socket_(socket) {}
+  // Evaluates a message of the socket. Returns true if it is a data frame, which is then in `arrival`.
   [[nodiscard]] bool AcceptFrame(std::span<const std::uint8_t> bytes, msghdr& message,
                                  CanArrival& arrival) OSTEON_RT;
   // Updates the status from a report of the CAN controller. @param data  the error frame's eight bytes

@@ -53,7 +53,8 @@ class StopFinder {
  public:
   static constexpr std::size_t kMaxTicks = 20'000;  ///< 20 s at 1 kHz
 
-  /// Takes the next tick. @returns the stop that was complete before this tick; nothing: none was
+  /// Takes the next tick. @returns a stop once: with the first tick that no longer belongs to it; else
+  /// nothing
   [[nodiscard]] std::optional<StopRecord> Add(const control::TickRecord& tick);
   /// Ends the recording. @returns the stop that is still in progress; nothing: there is none. Call it once.
   [[nodiscard]] std::optional<StopRecord> Finish();
@@ -83,7 +84,7 @@ struct StopFiles {
   std::filesystem::path folder;
   std::string stem;
   const config::CellConfig& cell;     ///< the run's cell, for the limits in the charts
-  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
+  std::filesystem::path recording{};  ///< the page prints the command that shows it; empty: none
   rt::Nanoseconds session_stamp{0};   ///< time of the recording's beginning; 0: virtual time
   double force_limit_N{0.0};
   std::string end_reason{};   ///< why the run ended, if it ended without a fault
@@ -98,7 +99,7 @@ struct StopPagesParams {
   std::filesystem::path folder;
   std::string stem;
   const config::CellConfig& cell;     ///< the run's cell, for limits in the charts; must outlive StopPages
-  std::filesystem::path recording{};  ///< for the command that shows the recording; empty: no command
+  std::filesystem::path recording{};  ///< the page prints the command that shows it; empty: none
 };
 
 /// Writes each stop of a recording once it is complete: a page with its plots and faults,

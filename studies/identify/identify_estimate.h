@@ -11,9 +11,9 @@
 
 namespace osteon::studies {
 
-/// Estimates one axis from samples. Always: the response by the encoders, and the arm. In free air: also the
-/// tool on the sensor. With a hand: also the hand. With an overlay: the arm's own impedance. For a joint:
-/// only the response by its encoder.
+/// Estimates one axis from samples. For an axis of the tool: the frequency response by the encoders, and the
+/// arm's model; in free air also the tool on the sensor, with a hand also the hand, with an overlay also the
+/// arm's own impedance. For a joint: only the frequency response by its encoder.
 /// @param tool_mass_kg  mass on the sensor's tool side, needed for a hand
 /// @param overlaid      needed for an overlay: the arm on which the force acted
 /// @returns an error that says what is missing
@@ -32,9 +32,10 @@ namespace osteon::studies {
 [[nodiscard]] tl::expected<PassiveLag, std::string> EstimatePassiveLag(
     const std::vector<control::TickRecord>& ticks, double period_s);
 
-/// Fits the hand of each held run again, with two results of the free runs: whether the force sensor measures
-/// the tool's inertia, and by how much the arm's response differs from its model. The handle's motion may
-/// differ from the encoders' by the same amount, which limits the accuracy of the hand's fit.
+/// Fits the hand again for each run with a hand (held run), with two results of the runs in free air (free
+/// runs). The first is whether the force sensor measures the tool's inertia. The second is by how much the
+/// arm's response differs from its model: the handle's motion may differ from the encoders' as much, which
+/// limits the accuracy of the hand's fit.
 void UseFreeRuns(IdentifyResult& result);
 
 /// Computes for each held run the effective mass M of the commanded arm for the hand's force F. It uses the

@@ -26,15 +26,16 @@ struct KillRun {
   [[nodiscard]] bool passed() const { return error.empty() && result.passed(); }
 };
 
-/// Runs the trials and prints a table.
-/// @returns the process's exit code: 0 the arm came to rest each time, within every limit; 1 otherwise, or
-/// the file could not be written; 130 ended by Ctrl-C, with the finished trials written.
+/// Runs the trials, prints a table, and writes the JSON file that the options name.
+/// @returns the process's exit code. 0: the arm came to rest in each trial, within every limit. 1: a trial
+/// failed,
+///   or the JSON file could not be written. 130: ended by Ctrl-C, with the finished trials written.
 [[nodiscard]] int RunKillTable(const KillTableOptions& options);
 
-/// The printed table: a row per victim, and below the table what is wrong.
+/// The printed table: a row per victim, and below it a line for each trial that failed or could not be run.
 [[nodiscard]] std::string KillTableText(std::span<const KillRun> runs);
 
-/// JSON object, schema osteon.failures/1, without scenarios and with each trial in `kills`.
+/// JSON object, schema osteon.failures/1: the list `scenarios` is empty, `kills` has each trial.
 [[nodiscard]] std::string KillTableJson(std::span<const KillRun> runs);
 
 }  // namespace osteon::studies

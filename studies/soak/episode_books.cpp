@@ -37,9 +37,10 @@ class TickTotals {
   }
 
  private:
-  // Adds the residual of M (v - v_before) = (F_hand + F_rendered - D v) T in W, with the law's mass M and
-  // damping D, the tool's velocity v and the period T. A tick is skipped if the loop does not render, the
-  // tick before is missing, or a limit acts: then other influences than the law change the motion.
+  // Adds the residual of M (v - v_before) = (F_hand + F_rendered - D v) dt, along W's axes, with the law's
+  // mass M and damping D, the tool's velocity v and the period dt. A tick is skipped if the tick before is
+  // missing, or if in one of the two the loop does not render or a limit acts: other influences than the law
+  // then change the motion.
   void AddMomentum(const control::TickRecord& tick) {
     if (!has_last_ || tick.phase != control::Phase::kHaptic || last_.phase != control::Phase::kHaptic ||
         tick.tick != last_.tick + 1 || tick.limits != 0 || last_.limits != 0)
@@ -60,7 +61,7 @@ class TickTotals {
   control::TickRecord last_{};
   bool has_last_{false};
   Vector3 residual_Ns_{Vector3::Zero()};  // sum of the momentum residuals
-  double hand_Ns_{0.0};                   // sum of |F_hand| T, the hand's impulse
+  double hand_Ns_{0.0};                   // sum of |F_hand| dt, the hand's impulse
 };
 
 }  // namespace

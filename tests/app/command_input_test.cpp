@@ -57,7 +57,7 @@ class WrongInput : public testing::Test {
   bool one_line_{true};  ///< whether the error must have only one line
 };
 
-TEST_F(WrongInput, AnErrorOrRateOfAPlanOutsideItsRangeIsRefused) {
+TEST_F(WrongInput, APlansTargetErrorOrFrameRateOutsideItsRangeIsRefused) {
   for (const char* value : {"0", "-1", "nan", "inf", "6", "abc"})
     ExpectRefused({"plan", "molar", "--rate-hz", "1000", "--error-mm", value},
                   {"--error-mm", value, "0.001 … 5"});
@@ -76,7 +76,7 @@ TEST_F(WrongInput, AnInvalidNumberIsRefused) {
   ExpectRefused({"status", "--pid", "x"}, {"--pid: found x, accepted 1 … 4194304"});
 }
 
-TEST_F(WrongInput, UnknownAndContradictoryOptionsAreRefused) {
+TEST_F(WrongInput, UnknownCommandsUnacceptedValuesAndContradictoryOptionsAreRefused) {
   ExpectRefused({"demo", "--secnods", "3"}, {"--secnods", "--seconds", "--help"});
   ExpectRefused({"dmeo"}, {"dmeo", "did you mean demo?"});
   ExpectRefused({"frobnicate"},

@@ -1,5 +1,6 @@
-// Simulated CAN devices and their clients exchange frames over a real kernel's virtual CAN interface (vcan),
-// in wall time, each with its own socket. run_in_uml.sh runs the tests. There are no assertions on timing.
+// Simulated CAN devices and their clients exchange frames over the virtual CAN interface (vcan) of a Linux
+// kernel, in wall time, each with its own socket. run_in_uml.sh boots a user-mode Linux that has vcan, and
+// runs the tests in it. There are no assertions on timing.
 
 #include <cstdlib>
 
@@ -17,6 +18,7 @@
 namespace osteon::io {
 namespace {
 
+// Opens a socket on the interface that OSTEON_VCAN names. The machine's other sockets receive its frames.
 std::unique_ptr<SocketCanBus> Open(std::vector<CanFilter> filters) {
   auto bus = SocketCanBus::Open(
       {.interface = std::getenv("OSTEON_VCAN"), .filters = std::move(filters), .local_loopback = true});

@@ -13,11 +13,11 @@
 namespace osteon::session {
 namespace {
 
-// Asks a session to finish again as soon as the previous request was answered. Keeps each answer that differs
-// from the previous answer.
+// Posts requests to finish a session, one at a time: Ask does nothing while a request waits for its answer.
+// Keeps each answer that differs from the previous answer.
 struct Asker {
   ProcedureSession* session;
-  std::vector<std::string> reasons{};  // why the request was refused; empty: done
+  std::vector<std::string> reasons{};  // each kept answer: why it was refused; an empty text: done
   bool open{false};                    // a request waits for its answer
 
   void Ask(bool confirmed) {
@@ -35,13 +35,13 @@ struct Asker {
 TEST(Finish, IsRefusedUntilConfirmedThenSavesTheBoneAndEndsTheRun) {
   Rig rig("finished", 14.0);
   Asker asker{rig.session.get()};
-  // the first three requests lack the word `confirmed`; after a pass, later requests have it
+  // requests lack the word `confirmed` until three different answers have come and a pass is in the file
   rig.params.ticked = [&](const control::TickRecord&, const simulation::ContactModel&) {
     const bool has_cut = rig.session->File().PassesLeft() > 0;
     asker.Ask(has_cut && asker.reasons.size() >= 3);
   };
   rig.Run();
-  // the answers to five requests: before the first cut, in bone, clear of bone again, with `confirmed`, and
+  // five different answers: before the first cut, in bone, clear of bone again, with `confirmed`, and
   // once more afterwards
   ASSERT_EQ(asker.reasons.size(), 5u) << testing::PrintToString(asker.reasons);
   const std::string not_done =

@@ -32,7 +32,7 @@ std::vector<EventRow> EventsOf(const std::vector<Part>& parts) {
   return events.rows();
 }
 
-TEST(PauseEvents, HaveTheTimeToRestAndThePausesDuration) {
+TEST(PauseEvents, ThePausesRowHoldsTheStoppingTimeAndTheResumesRowThePausedTime) {
   const auto rows = EventsOf({{.milliseconds = 2000, .state = CellState::kCutting},
                               {.milliseconds = 120, .state = CellState::kStop2, .pause = true},
                               {.milliseconds = 880, .state = CellState::kPaused},
