@@ -158,24 +158,19 @@ std::string RecordingDifference::Json() const {
 void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& recordings) {
   rt::NameThread("difference");
   rt::LowerPriority();
-  std::vector<Reader> readers;
-  for (const std::filesystem::path& path : recordings) {
-    auto timeline = RecordingTimeline::Open(path);
-    if (!timeline) {  // the file was removed in the meantime: stop reading
-      std::string json = Compared(0.0).ToJson(true);
-      const std::lock_guard lock(mutex_);
-      json_ = std::move(json);
-      return;
-    }
-    (void)timeline->Seek(0.0);
-    readers.push_back({.timeline = std::move(*timeline)});
-  }
-  Compared compared(std::max(readers[0].timeline.duration_s(), readers[1].timeline.duration_s()));
-  const auto tell = [&](bool done) {
+  const auto tell = [&](const Compared& compared, bool done) {
     std::string json = compared.ToJson(done);
     const std::lock_guard lock(mutex_);
     json_ = std::move(json);
   };
+  std::vector<Reader> readers;
+  for (const std::filesystem::path& path : recordings) {
+    auto timeline = RecordingTimeline::Open(path);
+    if (!timeline) return tell(Compared(0.0), true);  // the file was removed in the meantime
+    (void)timeline->Seek(0.0);
+    readers.push_back({.timeline = std::move(*timeline)});
+  }
+  Compared compared(std::max(readers[0].timeline.duration_s(), readers[1].timeline.duration_s()));
   auto told = std::chrono::steady_clock::now();
   for (Reader& reader : readers) reader.Advance();
   while (!stop_.load() && !(readers[0].ended && readers[1].ended)) {
@@ -208,10 +203,10 @@ void RecordingDifference::Run(const std::array<std::filesystem::path, 2>& record
     }
     if (const auto now = std::chrono::steady_clock::now(); now - told >= kNewsPeriod) {
       told = now;
-      tell(false);
+      tell(compared, false);
     }
   }
-  tell(true);
+  tell(compared, true);
 }
 
 }  // namespace osteon::session

@@ -92,7 +92,7 @@ class Lines {
     return tl::make_unexpected(fmt::format("{}:{}: {}", name_, number_, what));
   }
   // Returns an error at the present line that quotes the word last read as a number.
-  [[nodiscard]] tl::unexpected<std::string> RefuseWord(const char* key, const char* accepted) const {
+  [[nodiscard]] tl::unexpected<std::string> RefuseWord(std::string_view key, const char* accepted) const {
     return Refuse(fmt::format("{}: found \"{}\", accepted {}", key, OneLine(std::string(last_.substr(0, 40))),
                               accepted));
   }
@@ -199,8 +199,7 @@ tl::expected<Golden, std::string> ParseGolden(const std::string& text, const std
       has_period = true;
     } else if (key == "ticks" || key == "active") {
       const auto count = lines.Number<std::uint64_t>();
-      if (!count || *count > kMaxTicks)
-        return lines.RefuseWord(key == "ticks" ? "ticks" : "active", "0 … 10000000");
+      if (!count || *count > kMaxTicks) return lines.RefuseWord(key, "0 … 10000000");
       (key == "ticks" ? trace.ticks : trace.active) = *count;
     } else if (key == "hash") {
       const auto hash = lines.Number<std::uint64_t>(16);
