@@ -55,10 +55,10 @@ void RequireInterval(const IntervalCheck& check) {
 void RequireLag(const Reader& section, const IdentifiedArm& arm) {
   const double lag_s = arm.dead_time_s + 2.0 * arm.damping_ratio / (kTurn_rad * arm.bandwidth_hz);
   if (std::abs(arm.lag_s - lag_s) <= kLagTolerance_s + kLagTolerance * std::abs(lag_s)) return;
-  section.Refuse("lag_ms", fmt::format("found {:.4g}, accepted dead_time_ms + 2 damping_ratio / (2 pi "
-                                       "bandwidth_hz), which is {:.4g}, within {:g} % plus {:g} ms",
-                                       1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance,
-                                       1e3 * kLagTolerance_s));
+  section.Refuse("lag_ms",
+                 fmt::format("found {:.4g}, accepted dead_time_ms + 2 damping_ratio / (2 pi "
+                             "bandwidth_hz), which is {:.4g}, within {:g} % plus {:g} ms",
+                             1e3 * arm.lag_s, 1e3 * lag_s, 100.0 * kLagTolerance, 1e3 * kLagTolerance_s));
 }
 
 // Refuses an item that is the same as an earlier one. `same` compares axis, speed and kind of two items.

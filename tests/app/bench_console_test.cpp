@@ -30,8 +30,8 @@ TEST(BenchConsole, MeasuresEveryLegAndItsRatios) {
 }
 
 // 100 pages are loaded during a demo, and 33 of them are killed without closing their connections. The demo
-// must end with no more threads, descriptors or memory than before. If a fault occurs, the demo is held, and the
-// pages are loaded as before.
+// must end with no more threads, descriptors or memory than before. If a fault occurs, the demo is held, and
+// the pages are loaded as before.
 TEST(BenchConsole, AHundredReloadsLeaveNoResourceBehind) {
   const TemporaryFolder folder;
   const CommandResult result =
