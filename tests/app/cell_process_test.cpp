@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
@@ -14,10 +15,6 @@
 
 namespace osteon::app {
 namespace {
-
-// First of the eight ports that this test process uses. It depends on the process id, so a collision with
-// other tests is unlikely.
-std::string Port() { return std::to_string(32768 + getpid() % 2000 * 8); }
 
 // Whether the command has printed the words to standard output.
 bool Says(const Command& command, const std::string& words) {
@@ -30,11 +27,12 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder, cell_folder;  // one for each process
-    Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+    Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--json", "cell.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const WakeupWatch watch;
-    const CommandResult run = RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds",
-                                                         "2", "--record", "r.mcap", "--json", "run.json"});
+    const CommandResult run =
+        RunCommand(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--seconds", "2", "--record",
+                                   "r.mcap", "--json", "run.json"});
     const bool saw_active = Says(cell, "COMMANDING_ACTIVE");
     cell.Send(SIGTERM);
     EXPECT_EQ(cell.Wait().exit_code, 0);
@@ -68,14 +66,14 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
 TEST(CellProcess, ASecondRunConnectsToTheSameCell) {
   constexpr int kAttempts = 3;
   const TemporaryFolder folder, cell_folder;
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--seconds", "3"});
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--seconds", "3"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   const WakeupWatch watch;
   int completed = 0;
   for (int attempt = 0; attempt < kAttempts && completed < 2; ++attempt) {
     const CommandResult run =
-        RunCommand(folder.path(), {"run", "thin_plate", "--port", Port(), "--seconds", "4", "--overwrite",
-                                   "--record", "r.mcap", "--json", "run.json"});
+        RunCommand(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--seconds", "4",
+                                   "--overwrite", "--record", "r.mcap", "--json", "run.json"});
     if (run.exit_code == 0)
       ++completed;
     else
@@ -94,11 +92,11 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
     // the simulated hand works 5 s with each of four tools, and holds the tool still in the last of these
     // seconds
     Command cell(cell_folder.path(),
-                 {"cell", "demo", "--plan", "acetabulum", "--port", Port(), "--seconds", "20"});
+                 {"cell", "demo", "--plan", "acetabulum", "--port", FirstPort(), "--seconds", "20"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const WakeupWatch watch;
-    Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port", Port(),
-                                "--seconds", "10", "--json", "run.json"});
+    Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port",
+                                FirstPort(), "--seconds", "10", "--json", "run.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
     usleep(4'200'000);  // until the last second of the first tool
     // repeats a request until the session accepts it, at most 40 times
@@ -140,17 +138,20 @@ TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder, cell_folder;
-    Command cell(cell_folder.path(), {"cell", "kr_16_thin_plate", "--port", Port(), "--json", "cell.json"});
+    Command cell(cell_folder.path(),
+                 {"cell", "kr_16_thin_plate", "--port", FirstPort(), "--json", "cell.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
-    EXPECT_TRUE(Says(cell, "the arm sends RSI im_free, axes, 4 ms to 127.0.0.1:" + Port())) << cell.Out();
+    EXPECT_TRUE(Says(cell, "the arm sends RSI im_free, axes, 4 ms to 127.0.0.1:" + FirstPort()))
+        << cell.Out();
     const WakeupWatch watch;
     const CommandResult run =
-        RunCommand(folder.path(), {"run", "kr_16_thin_plate", "--port", Port(), "--seconds", "2", "--record",
-                                   "r.mcap", "--json", "run.json"});
+        RunCommand(folder.path(), {"run", "kr_16_thin_plate", "--port", FirstPort(), "--seconds", "2",
+                                   "--record", "r.mcap", "--json", "run.json"});
     const bool saw_active = Says(cell, "RSI is answered, the arm follows the corrections");
     cell.Send(SIGTERM);
     EXPECT_EQ(cell.Wait().exit_code, 0);
-    EXPECT_NE(run.err.find("osteon run: RSI im_free, axes, 4 ms on 127.0.0.1:" + Port()), std::string::npos)
+    EXPECT_NE(run.err.find("osteon run: RSI im_free, axes, 4 ms on 127.0.0.1:" + FirstPort()),
+              std::string::npos)
         << run.err;
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
     if (run.exit_code != 0) {
@@ -171,10 +172,10 @@ TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
 
 TEST(CellProcess, KillingTheCellStopsTheRun) {
   const TemporaryFolder folder, cell_folder;  // one for each process
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   Command run(folder.path(),
-              {"run", "thin_plate", "--port", Port(), "--record", "r.mcap", "--json", "run.json"});
+              {"run", "thin_plate", "--port", FirstPort(), "--record", "r.mcap", "--json", "run.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
   usleep(500'000);
   cell.Send(SIGKILL);
@@ -187,10 +188,10 @@ TEST(CellProcess, KillingTheCellStopsTheRun) {
 
 TEST(CellProcess, AfterARunIsKilledTheCellWaitsForTheNext) {
   const TemporaryFolder folder, cell_folder;  // one for each process
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port(), "--json", "cell.json"});
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   {
-    Command run(folder.path(), {"run", "thin_plate", "--port", Port(), "--record", "r.mcap"});
+    Command run(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--record", "r.mcap"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
     run.Send(SIGKILL);
     run.Wait();
@@ -214,9 +215,9 @@ TEST(CellProcess, ARunThatStartsInsideBoneFailsAndSaysHowDeep) {
   const TemporaryFolder folder, cell_folder;
   const auto higher = folder.path() / "higher.yaml";
   io::test::WriteAll(higher, config::With(config::CellText("thin_plate"), "[620, 0, 210]", "[620, 0, 230]"));
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
-  const CommandResult run = RunCommand(folder.path(), {"run", higher.string(), "--port", Port()});
+  const CommandResult run = RunCommand(folder.path(), {"run", higher.string(), "--port", FirstPort()});
   EXPECT_EQ(run.exit_code, 1) << run.err;
   for (const char* words : {"the way to the start: at 0 % of the path: found the tool", "mm inside the bone",
                             "bring the tool out by hand, along its axis (a simulated cell: start it anew)"})
@@ -242,9 +243,9 @@ TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheGivenCpu) {
 
 TEST(CellProcess, ATakenPortIsNamed) {
   const TemporaryFolder folder, cell_folder;  // one for each process
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", Port()});
+  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
-  const CommandResult other = RunCommand(folder.path(), {"cell", "thin_plate", "--port", Port()});
+  const CommandResult other = RunCommand(folder.path(), {"cell", "thin_plate", "--port", FirstPort()});
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_NE(other.err.find("127.0.0.1:"), std::string::npos) << other.err;
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -13,9 +11,6 @@
 #include "tests/config/cell_text.h"
 
 namespace osteon::app {
-
-/// A port for this test process. It depends on the process id, so a collision with other tests is unlikely.
-inline std::string EnginePort() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 /// Runs demos in virtual time of cells whose engine has its own process.
 class EngineCellTest : public testing::Test {

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <filesystem>
 #include <string>
 
@@ -7,6 +5,7 @@
 
 #include "tests/app/command.h"
 #include "tests/app/engine_cell.h"
+#include "tests/app/first_port.h"
 
 // A run in virtual time whose cutting engine is a separate process, which the test starts: `osteon simulate`.
 
@@ -16,7 +15,7 @@ namespace {
 using EngineInLockstep = EngineCellTest;
 
 TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
-  const std::string address = "127.0.0.1:" + EnginePort();
+  const std::string address = "127.0.0.1:" + FirstPort();
   Command engine(folder_.path(),
                  {"simulate", "--listen", address, "--engine", "cpu", "--json", "engine.json"});
   ASSERT_TRUE(engine.WaitUntil([&] { return engine.Out().find("Ctrl-C ends it") != std::string::npos; }))
@@ -42,19 +41,19 @@ TEST_F(EngineInLockstep, CarvesTheSameOverUdp) {
 TEST_F(EngineInLockstep, AMissingEngineIsReportedBeforeAnythingMoves) {
   const CommandResult run =
       RunCommand(folder_.path(), {"demo", "--virtual-time", "--cell",
-                                  CellWith("127.0.0.1:" + EnginePort(), "thin_plate"), "--out", "out"});
+                                  CellWith("127.0.0.1:" + FirstPort(), "thin_plate"), "--out", "out"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("does `osteon simulate --listen` run there"), std::string::npos) << run.err;
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out"));
 }
 
 TEST_F(EngineInLockstep, ListensBeyondTheLoopbackOnlyWithAToken) {
-  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + EnginePort()});
+  const CommandResult run = RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + FirstPort()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("found no token"), std::string::npos) << run.err;
   std::ofstream(folder_.path() / "short") << "abc\n";
-  const CommandResult weak = RunCommand(
-      folder_.path(), {"simulate", "--listen", "0.0.0.0:" + EnginePort(), "--token-file", "short"});
+  const CommandResult weak =
+      RunCommand(folder_.path(), {"simulate", "--listen", "0.0.0.0:" + FirstPort(), "--token-file", "short"});
   EXPECT_EQ(weak.exit_code, 2);
   EXPECT_NE(weak.err.find("found a first line of 3 characters"), std::string::npos) << weak.err;
 }

@@ -1,5 +1,4 @@
 #include <signal.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -8,6 +7,7 @@
 
 #include "tests/app/command.h"
 #include "tests/app/engine_cell.h"
+#include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
 
 // A run that starts its cutting engine as a process of its own. In engine_lockstep_test.cpp the user starts
@@ -63,7 +63,7 @@ TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
     Command run(folder_.path(),
-                {"run", cell, "--simulated", "--port", EnginePort(), "--engine", "cpu", "--seconds", "60",
+                {"run", cell, "--simulated", "--port", FirstPort(), "--engine", "cpu", "--seconds", "60",
                  "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_TRUE(run.WaitUntil([&] { return EnginePid(run.Err()) > 0; })) << run.Err();
     ASSERT_TRUE(run.WaitUntil([&] { return run.Err().find(" of 60.0 s | ") != std::string::npos; }))

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
+#include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
@@ -14,10 +15,6 @@
 
 namespace osteon::app {
 namespace {
-
-// First of the ten ports that this test process uses. It depends on the process id, so a collision with other
-// tests is unlikely.
-std::string Port() { return std::to_string(49152 + getpid() % 1500 * 10); }
 
 // Whether the command has printed the words to standard output.
 bool Says(const Command& command, const std::string& words) {
@@ -36,15 +33,15 @@ class GuardProcess : public testing::Test {
 
   void StartCellAndGuard() {
     cell_.emplace(cell_folder_.path(),
-                  std::vector<std::string>{"cell", file(), "--port", Port(), "--json", "cell.json"});
+                  std::vector<std::string>{"cell", file(), "--port", FirstPort(), "--json", "cell.json"});
     ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "Ctrl-C ends it"); })) << cell_->Err();
     guard_.emplace(guard_folder_.path(),
-                   std::vector<std::string>{"guard", file(), "--port", Port(), "--json", "guard.json"});
+                   std::vector<std::string>{"guard", file(), "--port", FirstPort(), "--json", "guard.json"});
     ASSERT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
   }
   // Arguments of `osteon run` for this cell, without a time limit.
   [[nodiscard]] std::vector<std::string> RunArguments() const {
-    return {"run", file(), "--port", Port(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
+    return {"run", file(), "--port", FirstPort(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
   }
   [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
   // Ends the cell. @returns its report.
@@ -110,8 +107,8 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
     const CommandResult run = RunCommand(
-        run_folder_.path(), {"run", file(), "--simulated", "--port", Port(), "--seconds", "2", "--rate-hz",
-                             "150", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
+        run_folder_.path(), {"run", file(), "--simulated", "--port", FirstPort(), "--seconds", "2",
+                             "--rate-hz", "150", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
     if (run.exit_code != 0) {
@@ -123,7 +120,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
     // the killed guard's port is free again, so a new guard can use it
-    guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", Port()});
+    guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", FirstPort()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
   }

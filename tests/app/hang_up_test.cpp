@@ -10,6 +10,7 @@
 
 #include "io/recording/recording_reader.h"
 #include "tests/app/command.h"
+#include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
 #include "tests/config/cell_text.h"
 
@@ -175,7 +176,7 @@ class GuardHangUp : public HangUp {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;
     const WakeupWatch watch;
-    const std::string port = std::to_string(45000 + getpid() % 400 * 10);
+    const std::string port = FirstPort();
     Command cell(cell_folder.path(), {"cell", file(), "--port", port, "--json", "cell.json"});
     EXPECT_TRUE(cell.WaitUntil([&] { return cell.Out().find("Ctrl-C ends it") != std::string::npos; }))
         << cell.Err();
@@ -195,7 +196,8 @@ class GuardHangUp : public HangUp {
     const nlohmann::json faults = summary.value("faults", nlohmann::json::array());
     if (!contact || report.value("latched", true) || faults.empty() ||
         faults.front() != "motion not permitted") {
-      EXPECT_TRUE(MachineWasLate(result, summary, worst_ = watch.worst())) << report.dump(2);
+      EXPECT_TRUE(MachineWasLate(result, summary, worst_ = watch.worst()))
+          << report.dump(2) << "\nthe guard ended with " << guarded.exit_code << ": " << guarded.err;
       return false;
     }
     EXPECT_EQ(guarded.exit_code, exit_code) << guarded.err;
