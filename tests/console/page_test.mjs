@@ -1,6 +1,6 @@
 // Tests the console's page in a real Chromium: node page_test.mjs OSTEON NODE_MODULES PICTURES STEPS. STEPS is `live`, for
-// cells that run, or `recorded`, for recordings. Each wait ends as soon as its condition holds. A picture of
-// each state is saved in PICTURES for people to look at.
+// cells that run, or `recorded`, for recordings. Each wait ends as soon as its condition holds. A picture of each state is
+// saved in PICTURES for people to look at.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -19,7 +19,6 @@ mkdirSync(pictures, { recursive: true });
 const LATE = /Faults +(contact model stale|arm message stale|force sensor stale|motion not permitted|arm left COMMANDING_ACTIVE).*/;
 
 let lastDemo; // the demo that was started last
-let demoFailed = () => {}; // called once a demo has ended with an exit code other than 0
 
 /** Starts a demo. @returns its process, and promises of its console's address and of its exit code with all its output */
 function demo(seconds, ...more) {
@@ -36,7 +35,6 @@ function demo(seconds, ...more) {
     child.on("exit", () => reject(new Error(`the demo ended before it had a console:\n${text}`)));
   });
   const ended = new Promise((resolve) => child.on("close", (code) => resolve({ code, text })));
-  ended.then(({ code, text }) => code !== 0 && demoFailed(new Error(`the demo ended with ${code}:\n${text}`)));
   lastDemo = { child, ended };
   return { child, url, ended };
 }
@@ -48,8 +46,12 @@ function demo(seconds, ...more) {
 async function retryWhereMachineWasLate(steps) {
   for (let attempt = 1; ; ++attempt) {
     try {
-      const failure = new Promise((_, reject) => (demoFailed = reject)); // no wait goes on after the demo's end
-      return await Promise.race([steps(), failure]);
+      const done = steps(); // its demo has started
+      const failed = lastDemo.ended.then(({ code, text }) => {
+        if (code !== 0) throw new Error(`the demo ended with ${code}:\n${text}`);
+        return done;
+      });
+      return await Promise.race([done, failed]); // no wait goes on after the end of a demo that failed
     } catch (error) {
       for (const page of await browser.pages())
         console.log("shown when it failed:", await page.evaluate(
