@@ -7,6 +7,7 @@
 #include "tests/app/command.h"
 #include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
+#include "tests/app/patient_cell.h"
 #include "tests/config/cell_text.h"
 
 // `osteon cell` and `osteon run` as a user starts them: two processes that are connected only by the network.
@@ -27,12 +28,12 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder, cell_folder;  // one for each process
-    Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--json", "cell.json"});
+    const std::string file = PatientCell(folder.path(), "thin_plate");
+    Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort(), "--json", "cell.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const WakeupWatch watch;
-    const CommandResult run =
-        RunCommand(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--seconds", "2", "--record",
-                                   "r.mcap", "--json", "run.json"});
+    const CommandResult run = RunCommand(folder.path(), {"run", file, "--port", FirstPort(), "--seconds", "2",
+                                                         "--record", "r.mcap", "--json", "run.json"});
     const bool saw_active = Says(cell, "COMMANDING_ACTIVE");
     cell.Send(SIGTERM);
     EXPECT_EQ(cell.Wait().exit_code, 0);
@@ -66,14 +67,15 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
 TEST(CellProcess, ASecondRunConnectsToTheSameCell) {
   constexpr int kAttempts = 3;
   const TemporaryFolder folder, cell_folder;
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--seconds", "3"});
+  const std::string file = PatientCell(folder.path(), "thin_plate");
+  Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort(), "--seconds", "3"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   const WakeupWatch watch;
   int completed = 0;
   for (int attempt = 0; attempt < kAttempts && completed < 2; ++attempt) {
     const CommandResult run =
-        RunCommand(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--seconds", "4",
-                                   "--overwrite", "--record", "r.mcap", "--json", "run.json"});
+        RunCommand(folder.path(), {"run", file, "--port", FirstPort(), "--seconds", "4", "--overwrite",
+                                   "--record", "r.mcap", "--json", "run.json"});
     if (run.exit_code == 0)
       ++completed;
     else
@@ -89,13 +91,14 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
   rt::Nanoseconds worst_wakeup = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder, cell_folder;
+    const std::string file = PatientCell(folder.path(), "demo");
     // the simulated hand works 5 s with each of four tools, and holds the tool still in the last of these
     // seconds
     Command cell(cell_folder.path(),
-                 {"cell", "demo", "--plan", "acetabulum", "--port", FirstPort(), "--seconds", "20"});
+                 {"cell", file, "--plan", "acetabulum", "--port", FirstPort(), "--seconds", "20"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
     const WakeupWatch watch;
-    Command run(folder.path(), {"run", "demo", "--plan", "acetabulum", "--session", "hip", "--port",
+    Command run(folder.path(), {"run", file, "--plan", "acetabulum", "--session", "hip", "--port",
                                 FirstPort(), "--seconds", "10", "--json", "run.json"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
     usleep(4'200'000);  // until the last second of the first tool
@@ -172,10 +175,11 @@ TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
 
 TEST(CellProcess, KillingTheCellStopsTheRun) {
   const TemporaryFolder folder, cell_folder;  // one for each process
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort()});
+  const std::string file = PatientCell(folder.path(), "thin_plate");
+  Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort()});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   Command run(folder.path(),
-              {"run", "thin_plate", "--port", FirstPort(), "--record", "r.mcap", "--json", "run.json"});
+              {"run", file, "--port", FirstPort(), "--record", "r.mcap", "--json", "run.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
   usleep(500'000);
   cell.Send(SIGKILL);
@@ -188,10 +192,11 @@ TEST(CellProcess, KillingTheCellStopsTheRun) {
 
 TEST(CellProcess, AfterARunIsKilledTheCellWaitsForTheNext) {
   const TemporaryFolder folder, cell_folder;  // one for each process
-  Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort(), "--json", "cell.json"});
+  const std::string file = PatientCell(folder.path(), "thin_plate");
+  Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort(), "--json", "cell.json"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
   {
-    Command run(folder.path(), {"run", "thin_plate", "--port", FirstPort(), "--record", "r.mcap"});
+    Command run(folder.path(), {"run", file, "--port", FirstPort(), "--record", "r.mcap"});
     ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "COMMANDING_ACTIVE"); })) << run.Err();
     run.Send(SIGKILL);
     run.Wait();
@@ -231,8 +236,8 @@ TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheGivenCpu) {
   const TemporaryFolder folder;
   const WakeupWatch watch;
   const CommandResult run =
-      RunCommand(folder.path(), {"run", "thin_plate", "--simulated", "--port", "0", "--cpu", "0", "--seconds",
-                                 "0.5", "--json", "run.json"});
+      RunCommand(folder.path(), {"run", PatientCell(folder.path(), "thin_plate"), "--simulated", "--port",
+                                 "0", "--cpu", "0", "--seconds", "0.5", "--json", "run.json"});
   const nlohmann::json summary = ReadJson(folder.path() / "run.json");
   if (run.exit_code != 0) {
     ASSERT_TRUE(MachineWasLate(run, summary, watch.worst()));

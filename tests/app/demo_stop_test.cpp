@@ -8,6 +8,7 @@
 #include "control/ports.h"
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
+#include "tests/app/patient_cell.h"
 
 // The demo in wall time, stopped by Ctrl-C. No test asserts how fast this machine is.
 
@@ -95,7 +96,8 @@ TEST(WallDemo, StopsInOrderAtCtrlC) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const TemporaryFolder folder;
     const WakeupWatch watch;
-    Command demo(folder.path(), {"demo", "--seconds", "30", "--port", "0"});
+    Command demo(folder.path(),
+                 {"demo", "--seconds", "30", "--port", "0", "--cell", PatientCell(folder.path(), "demo")});
     const bool runs = demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; });
     if (runs) demo.Send(SIGINT);
     const CommandResult run = demo.Wait();

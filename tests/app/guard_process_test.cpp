@@ -1,14 +1,13 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "tests/app/command.h"
 #include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
-#include "tests/config/cell_text.h"
+#include "tests/app/patient_cell.h"
 
 // Runs `osteon cell`, `guard` and `run` as three processes, and checks how the other processes react if one
 // of them is killed.
@@ -25,23 +24,21 @@ bool Says(const Command& command, const std::string& words) {
 class GuardProcess : public testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
-                          << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
+    file_ = PatientCell(folder_.path(), "thin_plate",
+                        {{"plc.guard", "true"}, {"guard", "{port: 30209, silence_ms: 500}"}});
   }
-  // The cell thin_plate with a guard.
-  [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
   void StartCellAndGuard() {
     cell_.emplace(cell_folder_.path(),
-                  std::vector<std::string>{"cell", file(), "--port", FirstPort(), "--json", "cell.json"});
+                  std::vector<std::string>{"cell", file_, "--port", FirstPort(), "--json", "cell.json"});
     ASSERT_TRUE(cell_->WaitUntil([&] { return Says(*cell_, "Ctrl-C ends it"); })) << cell_->Err();
     guard_.emplace(guard_folder_.path(),
-                   std::vector<std::string>{"guard", file(), "--port", FirstPort(), "--json", "guard.json"});
+                   std::vector<std::string>{"guard", file_, "--port", FirstPort(), "--json", "guard.json"});
     ASSERT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
   }
   // Arguments of `osteon run` for this cell, without a time limit.
   [[nodiscard]] std::vector<std::string> RunArguments() const {
-    return {"run", file(), "--port", FirstPort(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
+    return {"run", file_, "--port", FirstPort(), "--record", "r.mcap", "--overwrite", "--json", "run.json"};
   }
   [[nodiscard]] nlohmann::json GuardReport() const { return ReadJson(guard_folder_.path() / "guard.json"); }
   // Ends the cell. @returns its report.
@@ -60,6 +57,7 @@ class GuardProcess : public testing::Test {
   }
 
   const TemporaryFolder folder_, cell_folder_, guard_folder_, run_folder_;
+  std::string file_;  // the cell thin_plate with a guard
   std::optional<Command> cell_, guard_;
 };
 
@@ -107,7 +105,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WakeupWatch watch;
     const CommandResult run = RunCommand(
-        run_folder_.path(), {"run", file(), "--simulated", "--port", FirstPort(), "--seconds", "2",
+        run_folder_.path(), {"run", file_, "--simulated", "--port", FirstPort(), "--seconds", "2",
                              "--rate-hz", "150", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
@@ -120,7 +118,7 @@ TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
     // the killed guard's port is free again, so a new guard can use it
-    guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file(), "--port", FirstPort()});
+    guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file_, "--port", FirstPort()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
     return;
   }

@@ -4,7 +4,6 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -12,7 +11,7 @@
 #include "tests/app/command.h"
 #include "tests/app/first_port.h"
 #include "tests/app/machine_lateness.h"
-#include "tests/config/cell_text.h"
+#include "tests/app/patient_cell.h"
 
 // A terminal is closed, or the reader of an output ends, while the tool is in bone. The run must end in
 // order, complete its recording and write its figures, and its exit code must show the cause. The same holds
@@ -91,10 +90,10 @@ class HangUp : public testing::Test {
     const TemporaryFolder folder;
     Pipe pipe;
     const WakeupWatch watch;
-    Command run(
-        folder.path(),
-        {"run", "thin_plate", "--simulated", "--port", "0", "--record", "r.mcap", "--json", "run.json"}, {},
-        StreamsOf(end, pipe));
+    Command run(folder.path(),
+                {"run", PatientCell(folder.path(), "thin_plate"), "--simulated", "--port", "0", "--record",
+                 "r.mcap", "--json", "run.json"},
+                {}, StreamsOf(end, pipe));
     const bool contact = run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); });
     if (contact) CauseEnd(end, run, pipe);
     const CommandResult result = run.Wait();
@@ -150,7 +149,8 @@ TEST_F(HangUp, AReaderThatDoesNotReadDoesNotDelayCtrlC) {
   fcntl(pipe.writer(), F_SETFL, flags);
   const TemporaryFolder folder;
   Command run(folder.path(),
-              {"run", "thin_plate", "--simulated", "--port", "0", "--record", "r.mcap", "--json", "run.json"},
+              {"run", PatientCell(folder.path(), "thin_plate"), "--simulated", "--port", "0", "--record",
+               "r.mcap", "--json", "run.json"},
               {}, {.err = pipe.writer()});
   ASSERT_TRUE(run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); }));
   run.Send(SIGINT);
@@ -165,10 +165,9 @@ TEST_F(HangUp, AReaderThatDoesNotReadDoesNotDelayCtrlC) {
 class GuardHangUp : public HangUp {
  protected:
   void SetUp() override {
-    std::ofstream(file()) << config::With(config::CellText("thin_plate"), "  guard: false", "  guard: true ")
-                          << "\nguard:\n  port: 30209\n  silence_ms: 200\n";
+    file_ = PatientCell(folder_.path(), "thin_plate",
+                        {{"plc.guard", "true"}, {"guard", "{port: 30209, silence_ms: 500}"}});
   }
-  [[nodiscard]] std::string file() const { return (folder_.path() / "guarded.yaml").string(); }
 
   // Causes the event at the guard while the tool is in bone. The PLC must withdraw its permission first, so
   // that the controller stops the arm while the guard still relays. Returns false if the machine was late.
@@ -177,13 +176,13 @@ class GuardHangUp : public HangUp {
     const TemporaryFolder cell_folder, guard_folder, run_folder;
     const WakeupWatch watch;
     const std::string port = FirstPort();
-    Command cell(cell_folder.path(), {"cell", file(), "--port", port, "--json", "cell.json"});
+    Command cell(cell_folder.path(), {"cell", file_, "--port", port, "--json", "cell.json"});
     EXPECT_TRUE(cell.WaitUntil([&] { return cell.Out().find("Ctrl-C ends it") != std::string::npos; }))
         << cell.Err();
-    Command guard(guard_folder.path(), {"guard", file(), "--port", port, "--json", "guard.json"}, {},
+    Command guard(guard_folder.path(), {"guard", file_, "--port", port, "--json", "guard.json"}, {},
                   StreamsOf(end, pipe));
     Command run(run_folder.path(),
-                {"run", file(), "--port", port, "--record", "r.mcap", "--json", "run.json"});
+                {"run", file_, "--port", port, "--record", "r.mcap", "--json", "run.json"});
     const bool contact = run.WaitUntil([&] { return InContact(run_folder.path() / "r.mcap"); });
     if (contact) CauseEnd(end, guard, pipe);
     const CommandResult result = run.Wait();
@@ -213,6 +212,7 @@ class GuardHangUp : public HangUp {
   }
 
   const TemporaryFolder folder_;
+  std::string file_;
 };
 
 TEST_F(GuardHangUp, AClosedTerminalStopsTheArmBeforeTheGuardEnds) { ExpectGuardEnds(End::kHangUp, 129); }

@@ -27,14 +27,14 @@ class WakeupWatch {
 /// A delay that loses ten messages of an arm, twice the number that the loop and the simulated arms tolerate.
 inline constexpr rt::Nanoseconds kLateWakeup = 10 * rt::kMillisecond;
 
-/// Whether the run of this summary stalled: at least one fault reports lateness, and every other fault may
-/// follow from lateness.
+/// Whether the run of this summary stalled: at least one fault reports lateness, by its name or by its
+/// description, and every other fault may follow from lateness.
 [[nodiscard]] bool IsStall(const nlohmann::json& summary);
 
 /// Whether this machine's lateness explains that a run ended with exit code 1: its faults are those of a
 /// stall, and a thread was woken late during the run. A crash, another fault, or a stall on a punctual
 /// machine is a failure.
-/// @param summary  the run's summary, with `faults`
+/// @param summary  the run's summary, with `faults_seen`
 [[nodiscard]] testing::AssertionResult MachineWasLate(const CommandResult& run, const nlohmann::json& summary,
                                                       rt::Nanoseconds worst_wakeup);
 

@@ -12,13 +12,24 @@ namespace osteon::app {
 namespace {
 
 CommandResult EndedWith(int exit_code) { return {.exit_code = exit_code, .out = "", .err = ""}; }
-nlohmann::json Faults(const std::vector<std::string>& faults) { return {{"faults", faults}}; }
+
+// A summary with these faults, all with the same description.
+nlohmann::json Faults(const std::vector<std::string>& faults, const std::string& seen = "") {
+  nlohmann::json described = nlohmann::json::array();
+  for (const std::string& name : faults) described.push_back({{"name", name}, {"seen", seen}});
+  return {{"faults_seen", described}};
+}
 
 TEST(MachineLateness, ExcusesAStallOfAMachineThatWasLate) {
   EXPECT_TRUE(MachineWasLate(EndedWith(1), Faults({"arm message stale"}), kLateWakeup));
   EXPECT_TRUE(MachineWasLate(
       EndedWith(1), Faults({"arm left COMMANDING_ACTIVE", "spindle drive fault", "motion not permitted"}),
       kLateWakeup));
+  EXPECT_TRUE(MachineWasLate(
+      EndedWith(1), Faults({"spindle drive fault"}, "a fault: heartbeat lost: none came in time (bit 0)"),
+      kLateWakeup));
+  EXPECT_TRUE(MachineWasLate(EndedWith(1), Faults({"motion not permitted"}, "no connection to the PLC"),
+                             kLateWakeup));
 }
 
 TEST(MachineLateness, ExcusesNoStallOfAPunctualMachine) {
@@ -33,7 +44,11 @@ TEST(MachineLateness, ExcusesNeitherACrashNorAnotherFaultHoweverLateTheMachineWa
   EXPECT_FALSE(MachineWasLate(EndedWith(2), Faults({"arm message stale"}), rt::kSecond)) << "no input";
   EXPECT_FALSE(MachineWasLate(EndedWith(1), nullptr, rt::kSecond)) << "no summary";
   EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({}), rt::kSecond)) << "no reason";
-  EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"motion not permitted"}), rt::kSecond))
+  EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"motion not permitted"}, "EMERGENCY_STOP (978) is 1"),
+                              rt::kSecond))
+      << "nothing was late";
+  EXPECT_FALSE(MachineWasLate(
+      EndedWith(1), Faults({"spindle drive fault"}, "a fault: EMCY 0x7121 (motor blocked)"), rt::kSecond))
       << "nothing was late";
   EXPECT_FALSE(MachineWasLate(EndedWith(1), Faults({"arm message stale", "hand force"}), rt::kSecond));
 }

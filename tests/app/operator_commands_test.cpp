@@ -7,6 +7,7 @@
 #include "io/local/local_client.h"
 #include "tests/app/command.h"
 #include "tests/app/machine_lateness.h"
+#include "tests/app/patient_cell.h"
 
 // Sends commands to a running cell from another process, as an operator does in a second terminal. Also
 // serves a recording.
@@ -36,8 +37,8 @@ class OperatorCommands : public testing::Test {
   bool PausesResumesAndStops() {
     const WakeupWatch watch;
     Command run(folder_.path(),
-                {"run", "thin_plate", "--simulated", "--port", "0", "--console", "0", "--overwrite",
-                 "--record", "r.mcap", "--json", "run.json", "--at-fault", "end"},
+                {"run", PatientCell(folder_.path(), "thin_plate"), "--simulated", "--port", "0", "--console",
+                 "0", "--overwrite", "--record", "r.mcap", "--json", "run.json", "--at-fault", "end"},
                 Environment());
     const auto late = [&] {
       const CommandResult result = run.Wait();
@@ -83,8 +84,8 @@ TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
 // run, so requests arrive while page server and socket are being closed.
 TEST_F(OperatorCommands, AskARunUntilItsProcessHasEnded) {
   Command run(folder_.path(),
-              {"run", "thin_plate", "--simulated", "--port", "0", "--seconds", "2", "--console", "0",
-               "--overwrite", "--record", "r.mcap", "--json", "run.json"},
+              {"run", PatientCell(folder_.path(), "thin_plate"), "--simulated", "--port", "0", "--seconds",
+               "2", "--console", "0", "--overwrite", "--record", "r.mcap", "--json", "run.json"},
               Environment());
   // the run's status; null if the run does not answer
   const auto answer = [&] {

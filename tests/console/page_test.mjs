@@ -16,7 +16,7 @@ const folder = mkdtempSync(join(tmpdir(), "osteon_page_"));
 mkdirSync(pictures, { recursive: true });
 
 // Faults in a run's summary that a machine too slow for wall time causes.
-const LATE = /Faults +(contact model stale|arm message stale|force sensor stale|motion not permitted|arm left COMMANDING_ACTIVE).*/;
+const LATE = /Faults +(contact model stale|arm message stale|force sensor stale|motion not permitted|spindle drive fault|arm left COMMANDING_ACTIVE).*/;
 
 let lastDemo; // the demo that was started last
 
@@ -40,6 +40,21 @@ function demo(seconds, ...more) {
 }
 
 /**
+ * A cell for wall time whose limits of time are wide: with the demo's own, a machine that wakes a thread 25 ms late ends a run.
+ * @param more  further lines of its file @returns its file
+ */
+function patientCell(more = "") {
+  const file = join(folder, "patient.yaml");
+  writeFileSync(file, `extends: demo
+watchdog: {model_stop_ms: 1000, sensor_stop_ms: 1000, arm_miss_count: 100}
+drive: {lost_ms: 1000}
+plc: {max_age_ms: 1000}
+link_quality: {good_lost_count: 1000, end_lost_in_a_row_count: 1000, end_lost_count: 1000, ask_again: true}
+${more}`);
+  return file;
+}
+
+/**
  * Runs steps with a demo in wall time, five times at most. Chromium draws on the processor, which now and then makes the
  * machine too slow for the demo. If the demo's summary names a fault of this kind, the steps run again.
  */
@@ -54,9 +69,7 @@ async function retryWhereMachineWasLate(steps) {
       return await Promise.race([done, failed]); // no wait goes on after the end of a demo that failed
     } catch (error) {
       for (const page of await browser.pages())
-        console.log("shown when it failed:", await page.evaluate(
-          'JSON.stringify([osteon?.live?.status?.state, osteon?.live?.status?.rendered_s, document.getElementById("answer")?.textContent, osteon?.role])',
-        ).catch(() => page.url()));
+        console.log("shown when it failed:", await shown(page));
       lastDemo.child.kill("SIGINT");
       const { text } = await lastDemo.ended;
       const late = LATE.exec(text);
@@ -94,10 +107,39 @@ async function open(url, width, height) {
   await page.goto(url);
   return page;
 }
+/** What a page shows, for the message of a wait that fails. */
+const shown = (page) =>
+  page.evaluate(`JSON.stringify([osteon.connected, osteon.live?.status?.state, osteon.live?.status?.rendered_s, osteon.role,
+    document.getElementById("answer")?.textContent])`).catch(() => page.url());
 /** Waits until a JavaScript expression is true in the page. */
-const until = (page, expression) => page.waitForFunction(expression, { polling: 50 });
+async function until(page, expression) {
+  try {
+    await page.waitForFunction(expression, { polling: 50 });
+  } catch (error) {
+    throw new Error(`${error.message}: ${expression}\nshown: ${await shown(page)}`, { cause: error });
+  }
+}
+/**
+ * Does something in the page, again every five seconds, until an expression is true. A page that was too slow has no connection
+ * for a second, and what it asks for then is lost.
+ */
+async function doUntil(page, act, expression) {
+  for (const end = Date.now() + PATIENCE_MS; ; ) {
+    await act();
+    try {
+      return void (await page.waitForFunction(expression, { polling: 50, timeout: 5000 }));
+    } catch (error) {
+      if (Date.now() > end) throw new Error(`${error.message}: ${expression}\nshown: ${await shown(page)}`, { cause: error });
+    }
+  }
+}
+/** Presses a button, once it can be pressed, until an expression is true: a page has no operator's role yet when it shows figures. */
+const press = (page, id) => page.evaluate(`document.querySelector("#${id}:enabled")?.click()`);
+const pressUntil = (page, id, expression) => doUntil(page, () => press(page, id), expression);
+const inState = (name) => `document.querySelector("#state .name")?.textContent === "${name}"`;
+const answers = (words) => `document.getElementById("answer").textContent.includes("${words}")`;
 /** Waits until the page shows this state of the cell. */
-const stateIs = (page, name) => until(page, `document.querySelector("#state .name")?.textContent === "${name}"`);
+const stateIs = (page, name) => until(page, inState(name));
 const picture = (page, name) => page.screenshot({ path: join(pictures, `${name}.png`) });
 const status = (page) => page.evaluate("osteon.live?.status");
 
@@ -142,16 +184,26 @@ async function zoomsTheCharts(page) {
   assert.equal(await page.evaluate("osteon.charts.frozen"), false);
 }
 
-/** Does `press`, and waits until the camera has moved. */
-async function movesTheView(page, press) {
+/** Moves the view by `act`, and waits until the camera has moved. */
+async function movesTheView(page, act) {
   const before = await page.evaluate("osteon.scene.pose()");
-  await press();
+  await act();
   await until(page, `osteon.scene.pose() !== "${before}"`);
+}
+
+const MOVES = "[4, 5].includes(osteon.live.status.state_number)"; // haptic or cutting
+
+/** Presses Stop until the demo has ended, and says yes: Stop asks while the cell cuts. @returns exit code and output of the demo */
+async function stops(page, run) {
+  page.on("dialog", (dialog) => void dialog.accept());
+  for (let ended = false; !ended; ended = await Promise.race([run.ended.then(() => true), new Promise((done) => setTimeout(done, 1000))]))
+    await press(page, "stop");
+  return run.ended;
 }
 
 /** A cell in wall time: its times are measured and shown. The page pauses it, lets it go on, and ends the run. */
 const operatesACellInWallTime = () => retryWhereMachineWasLate(async () => {
-  const run = demo(60); // ended by the page
+  const run = demo(60, "--cell", patientCell()); // ended by the page
   const page = await open(await run.url, 390, 844); // a small picture, which is drawn sooner
   await stateIs(page, "cutting");
   await until(page, "osteon.live.status.compute_p99_us > 0 && osteon.scene.drawn > 0");
@@ -159,14 +211,10 @@ const operatesACellInWallTime = () => retryWhereMachineWasLate(async () => {
   for (const age of ["arm_age_ms", "plc_age_ms", "compute_p99_us"]) assert.ok(Number.isFinite(now[age]), `${age}: ${now[age]}`);
   const health = await page.evaluate('document.getElementById("health").innerText');
   assert.match(health, /Tick, 99 % below\s+[\d.]+ µs/);
-  await page.click("#pause");
-  await stateIs(page, "paused");
-  await page.keyboard.press("r");
-  await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+  await pressUntil(page, "pause", inState("paused"));
+  await doUntil(page, () => page.keyboard.press("r"), MOVES);
   await picture(page, "wall_time");
-  page.on("dialog", (dialog) => void dialog.accept()); // Stop asks while the cell cuts
-  await page.click("#stop");
-  const { code, text } = await run.ended;
+  const { code, text } = await stops(page, run);
   assert.equal(code, 0, text);
   await page.close();
 });
@@ -210,27 +258,21 @@ async function operatesTheCell() {
   await stateIs(second, "cutting");
   assert.deepEqual(await clipped(second), []);
   assert.ok(await second.evaluate('document.getElementById("pause").disabled'));
-  await second.evaluate('osteon.connection.ask("stop")'); // sent although the page has no enabled button for it
-  await until(second, 'document.getElementById("answer").textContent.includes("watches")');
+  const asksToStop = () => second.evaluate('osteon.connection.ask("stop")'); // sent although the page has no enabled button for it
+  await doUntil(second, asksToStop, answers("watches"));
   await picture(second, "phone");
   await second.select("#language", "de"); // a refusal is translated too
-  await second.evaluate('osteon.connection.ask("stop")');
-  await until(second, 'document.getElementById("answer").textContent.includes("sieht zu")');
+  await doUntil(second, asksToStop, answers("sieht zu"));
   assert.deepEqual(await clipped(second), []);
   await second.select("#language", "en");
 
   await page.bringToFront(); // Chromium draws nothing behind another page
-  await page.click("#pause");
-  await stateIs(page, "paused");
+  await pressUntil(page, "pause", inState("paused"));
   await picture(page, "paused");
   const paused = await status(page);
   assert.equal(paused.force_N, 0);
   assert.ok(paused.permits.length === 10);
-  for (const key of ["r", "p", "r"]) {
-    await page.keyboard.press(key);
-    if (key === "p") await stateIs(page, "paused");
-    else await until(page, "[4, 5].includes(osteon.live.status.state_number)");
-  }
+  for (const key of ["r", "p", "r"]) await doUntil(page, () => page.keyboard.press(key), key === "p" ? inState("paused") : MOVES);
 
   // gains: an accepted value acts, a refused one is explained, and a change can be undone
   const gains = (field) => page.evaluate(`osteon.gains.note.${field}`);
@@ -241,18 +283,15 @@ async function operatesTheCell() {
   // the panel names the command that measures gains, without a look into a document
   assert.match(await page.evaluate('document.getElementById("gains-tune").textContent'), /osteon tune demo/);
   const [ownDrag, ownStiffness] = [await gains("own_drag_Ns_per_m"), await gains("own_stiffness_N_per_m")];
-  await setGain("drag", 2 * ownDrag);
-  await until(page, `osteon.gains.note.drag_Ns_per_m === ${2 * ownDrag} && osteon.gains.note.can_undo`);
-  await setGain("stiffness", (2 * ownStiffness) / 1000); // refused: more than the cell's own stiffness
-  await until(page, 'document.getElementById("answer").textContent.includes("stiffness: found")');
+  await doUntil(page, () => setGain("drag", 2 * ownDrag), `osteon.gains.note.drag_Ns_per_m === ${2 * ownDrag} && osteon.gains.note.can_undo`);
+  // refused: more than the cell's own stiffness
+  await doUntil(page, () => setGain("stiffness", (2 * ownStiffness) / 1000), answers("stiffness: found"));
   assert.equal(await gains("stiffness_N_per_m"), ownStiffness);
   assert.deepEqual(await clipped(page), []);
   await page.evaluate('document.getElementById("gains").scrollIntoView()');
   await picture(page, "gains");
-  await page.evaluate('document.getElementById("undo-gains").click()');
-  await until(page, `osteon.gains.note.drag_Ns_per_m === ${ownDrag} && !osteon.gains.note.can_undo`);
-  await second.evaluate('osteon.connection.ask("drag", 40)'); // a page that watches
-  await until(second, 'document.getElementById("answer").textContent.includes("watches")');
+  await pressUntil(page, "undo-gains", `osteon.gains.note.drag_Ns_per_m === ${ownDrag} && !osteon.gains.note.can_undo`);
+  await doUntil(second, () => second.evaluate('osteon.connection.ask("drag", 40)'), answers("watches")); // a page that watches
 
   // all texts fit in German and in large type
   await page.select("#language", "de");
@@ -287,9 +326,7 @@ async function operatesTheCell() {
 
   await until(second, "osteon.role.mine || (osteon.connection.ask('role'), false)");
   await second.bringToFront();
-  second.on("dialog", (dialog) => void dialog.accept()); // Stop asks while the cell cuts
-  await second.click("#stop");
-  const { code, text } = await run.ended;
+  const { code, text } = await stops(second, run);
   assert.equal(code, 0, text);
   await until(second, 'document.getElementById("connection").textContent.length > 0 && !osteon.connected');
   await second.close();
@@ -305,21 +342,20 @@ async function operatesAProcedure() {
   await until(page, "osteon.procedure.note?.known && osteon.scene.planView !== null");
   assert.equal(await page.evaluate("osteon.procedure.plan.reamers.length"), 4);
   assert.deepEqual(await clipped(page), []);
-  await page.evaluate('document.getElementById("next-tool").click()');
-  await until(page, 'document.getElementById("answer").textContent.includes("not paused")');
+  await pressUntil(page, "next-tool", answers("not paused"));
   // Finish asks for confirmation, and its question names what is left of the plan; the test declines
   const asked = new Promise((resolve) => page.once("dialog", (dialog) => void dialog.dismiss().then(() => resolve(dialog.message()))));
-  await page.evaluate('document.getElementById("finish").click()');
+  await until(page, 'document.querySelector("#finish:enabled") !== null');
+  await press(page, "finish");
   assert.match(await asked, /no pass of its last tool, 50 mm, counts/);
   assert.ok((await page.evaluate('document.getElementById("score").innerText')).includes("known once a pass has ended"));
-  await page.evaluate('document.getElementById("undo-pass").click()');
+  await press(page, "undo-pass");
   await until(page, "osteon.procedure.note.to_go_mm < 15 && osteon.scene.surface.triangles > 10000");
   await picture(page, "procedure");
   assert.equal(await page.evaluate("osteon.procedure.note.tool"), 0, "nothing was changed");
-  await page.evaluate('document.getElementById("next-tool").click()');
-  await until(page, 'document.getElementById("answer").textContent.includes("not paused")');
+  await pressUntil(page, "next-tool", answers("not paused"));
   await page.select("#language", "de"); // the earlier answer is translated too
-  await until(page, 'document.getElementById("answer").textContent.includes("nicht angehalten")');
+  await until(page, answers("nicht angehalten"));
   assert.deepEqual(await clipped(page), []);
   for (const width of [400, 390]) {
     await page.setViewport({ width, height: 844 });
@@ -329,11 +365,7 @@ async function operatesAProcedure() {
   const drawn = await page.evaluate("osteon.scene.drawn");
   await until(page, `osteon.scene.drawn > ${drawn} + 1`);
   await picture(page, "procedure_german_phone");
-  page.on("dialog", (dialog) => void dialog.accept()); // Stop asks while the cell cuts
-  // pressed until the run ends: the server may have closed a slow page, whose buttons return when it has reconnected
-  for (let ended = false; !ended; ended = await Promise.race([run.ended.then(() => true), new Promise((done) => setTimeout(done, 1000))]))
-    await page.evaluate('document.getElementById("stop").click()');
-  const { code, text } = await run.ended;
+  const { code, text } = await stops(page, run);
   assert.equal(code, 0, text);
   await page.close();
 }
@@ -384,7 +416,7 @@ async function viewsAProcedure() {
 
 /** The arm's simulation is killed: the page shows the fault's card, also after the run has ended. */
 async function showsAFault() {
-  const run = demo(60);
+  const run = demo(60, "--cell", patientCell());
   const page = await open(await run.url, 1280, 720);
   await stateIs(page, "cutting");
   // the simulated arm is a process of its own
@@ -420,13 +452,8 @@ async function acknowledgesAFault(page) {
 
 /** A recoverable fault, in all widths and languages; Recover lets the cell move again. */
 async function recoversFromAFault() {
-  const cell = join(folder, "silent.yaml"); // the arm sends nothing for 60 ms
-  writeFileSync(cell, `extends: demo
-link_quality: {ask_again: true}
-injections:
-  - {wire: arm, direction: both, from_s: 10, to_s: 10.06, silence: true}
-`);
-  const run = demo(180, "--cell", cell, "--at-fault", "hold"); // ended by the page
+  const silence = "injections: [{wire: arm, direction: both, from_s: 10, to_s: 11, silence: true}]\n"; // longer than the cell waits
+  const run = demo(180, "--cell", patientCell(silence), "--at-fault", "hold"); // ended by the page
   const page = await open(await run.url, 1280, 720);
   await until(page, "osteon.live?.status.known");
   assert.ok(await page.evaluate('document.getElementById("recover").disabled'), "without a fault");
@@ -447,14 +474,11 @@ injections:
   await picture(page, "held_phone");
   await page.setViewport({ width: 1280, height: 720 });
   await page.select("#language", "en");
-  await page.keyboard.press("v");
-  await until(page, "[4, 5].includes(osteon.live.status.state_number)");
+  await doUntil(page, () => page.keyboard.press("v"), MOVES);
   assert.equal(await page.evaluate('document.querySelector("#faults .fault")'), null);
   assert.ok(await page.evaluate('document.getElementById("recover").disabled'));
   await picture(page, "recovered");
-  page.on("dialog", (dialog) => void dialog.accept()); // Stop asks while the cell cuts
-  await page.click("#stop");
-  const { code, text } = await run.ended;
+  const { code, text } = await stops(page, run);
   assert.equal(code, 1, `a recovered fault is still a fault\n${text}`);
   await page.close();
 }
