@@ -54,7 +54,10 @@ std::vector<Ball> BallBone::Left() const {
 void BallBone::Replace(std::uint32_t index, const Vector3& center_m, double radius_m) {
   balls_[index].center_m = center_m;
   balls_[index].radius_m = radius_m;
-  if (radius_m <= 0.0) ball_tree_.Remove(index);
+  if (radius_m <= 0.0)
+    ball_tree_.Remove(index);
+  else
+    ball_tree_.Grow(index, center_m, radius_m);  // the printed equation 5 moves balls by half a millimetre
 }
 
 void BallBone::Cut(const Vector3& a, const Vector3& b, double radius_m,
@@ -95,6 +98,7 @@ void BallBone::Load(const CarvedState& state) {
     balls_[i].center_m = 1e-3 * Vector3(state.balls[4 * i], state.balls[4 * i + 1], state.balls[4 * i + 2]);
     balls_[i].radius_m = 1e-3 * static_cast<double>(state.balls[4 * i + 3]);
     balls_left[i] = balls_[i].radius_m > 0.0;
+    if (balls_left[i]) ball_tree_.Grow(static_cast<std::uint32_t>(i), balls_[i].center_m, balls_[i].radius_m);
   }
   cleared_ = state.cleared;
   for (std::size_t i = 0; i < points_.size(); ++i) points_left[i] = cleared_[i] == 0;

@@ -39,6 +39,17 @@ LiveTree::LiveTree(std::span<const Ball> items)
   }
 }
 
+void LiveTree::Grow(std::uint32_t item, const Vector3& center_m, double radius_m) {
+  const Vector3 reach = Vector3::Constant(radius_m);
+  const Eigen::AlignedBox3d box(Vector3(center_m - reach), Vector3(center_m + reach));
+  std::size_t index = place_[item];
+  for (std::vector<Node>& level : levels_) {
+    Node& node = level[index /= kChildren];
+    if (node.box.contains(box)) return;  // and so do the boxes above
+    node.box.extend(box);
+  }
+}
+
 void LiveTree::Remove(std::uint32_t item) {
   if (!left_[item]) return;
   left_[item] = false;

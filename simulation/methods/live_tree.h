@@ -14,13 +14,15 @@ namespace osteon::simulation {
 /// Spatial index of a bone's items: balls, or mass points as balls of radius 0. Items that are cut away are
 /// removed one by one.
 ///
-/// A tree of boxes with eight children per node, over items that are sorted along a Morton curve. The boxes
-/// are never updated: they stay valid as long as each ball only shrinks within its original ball. A node
-/// counts its remaining items.
+/// A tree of boxes with eight children per node, over items that are sorted along a Morton curve. Boxes only
+/// grow: a ball that shrinks within its original ball keeps them, one that leaves it must be told (Grow). A
+/// node counts its remaining items.
 class LiveTree {
  public:
   explicit LiveTree(std::span<const Ball> items);
 
+  /// Extends the boxes around an item so that they hold this ball too.
+  void Grow(std::uint32_t item, const Vector3& center_m, double radius_m);
   /// Removes an item: later searches do not visit it. Removing an item twice has no effect.
   void Remove(std::uint32_t item);
   /// Sets which items remain.

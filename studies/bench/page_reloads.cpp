@@ -21,7 +21,8 @@ constexpr int kEveryKilled = 3;  // every third page is killed
 constexpr std::chrono::seconds kSettles{
     4};  // longest wait until the last pages' threads and sockets are gone
 constexpr std::chrono::milliseconds kSettleLooks{50};  // time between two measurements of the resources
-constexpr std::size_t kMaxRead = 64u << 20;            // number of bytes after which AwaitText gives up
+constexpr double kPatience_s = 60.0;         // for a page: the bone's thread gives way to all others
+constexpr std::size_t kMaxRead = 64u << 20;  // number of bytes after which AwaitText gives up
 
 // Reads into `got` until it contains a text. @returns false if the text did not arrive in time
 bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, double patience_s) {
@@ -143,12 +144,12 @@ ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t 
     const PageEnd end = i % kEveryKilled == kEveryKilled - 1 ? PageEnd::kKilled : PageEnd::kCloses;
     const bool warms = i + 1 == (reloads + 9) / 10;
     const PageStay stay = warms ? PageStay::kWholeBone : PageStay::kLiveMessage;
-    if (const auto loaded = LoadPageAndLeave(address, port, end, stay); !loaded) {
+    if (const auto loaded = LoadPageAndLeave(address, port, end, stay, kPatience_s)) {
+      ++figures.loaded;
+      if (end == PageEnd::kKilled) ++figures.killed;
+    } else {
       figures.failed.push_back(fmt::format("page {}: {}", i + 1, loaded.error()));
-      continue;
     }
-    ++figures.loaded;
-    if (end == PageEnd::kKilled) ++figures.killed;
     if (warms) figures.warm = SettledHolds(process, figures.before);
   }
   figures.after = SettledHolds(process, figures.warm);

@@ -35,9 +35,7 @@ enum class PageStay : std::uint8_t {
 /// @param patience_s  time limit for each file and for the stream
 /// @returns an error that says which part did not come.
 [[nodiscard]] tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std::uint16_t port,
-                                                               PageEnd end,
-                                                               PageStay stay = PageStay::kLiveMessage,
-                                                               double patience_s = 20.0);
+                                                               PageEnd end, PageStay stay, double patience_s);
 
 /// The resources that a process holds, from /proc; zeros if the process has ended.
 struct ProcessHolds {

@@ -32,6 +32,9 @@ constexpr seconds kContact{120}, kRest{10}, kEnd{90};
 // this speed.
 constexpr double kFullShare = 0.97, kPressedIn_m_per_s = 0.01;
 constexpr rt::Nanoseconds kFullFor = 100 * rt::kMillisecond;
+// Smallest rendered force, as a share of the hand's push, with which a recording shows the contact. A
+// recorder that got no time before its process was killed leaves a recording that ends before.
+constexpr double kRenderedShare = 0.67;
 constexpr double kRest_m_per_s = 0.002;  // greatest speed of a commanded tool that counts as at rest
 // Time for which the arm must stay at rest. Within this time the PLC notices missing heartbeats (0.25 s).
 constexpr rt::Nanoseconds kRestFor = 800 * rt::kMillisecond;
@@ -361,6 +364,11 @@ tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim, const Kill
     if (const std::string refused = trial.Kill(victim); !refused.empty()) return tl::make_unexpected(refused);
     KillResult result = trial.Watch(victim);
     result.attempts = attempt;
+    if (result.passed() && result.coupling_N < kRenderedShare * params.push_N) {
+      if (attempt < kAttempts) continue;
+      result.wrong =
+          fmt::format("the recording ends before the contact, in the last of {} attempts", kAttempts);
+    }
     if (AnotherFaultFirst(result)) {
       if (attempt < kAttempts) continue;
       result.wrong = fmt::format("not for \"{}\" but for \"{}\", in the last of {} attempts",

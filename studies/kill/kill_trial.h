@@ -57,8 +57,8 @@ struct KillResult {
   std::optional<int> run_exit{};      ///< exit code of `osteon run`; nothing: it was killed
   std::vector<std::string> faults{};  ///< names of the faults that the controller reported
   std::string guard{};                ///< why the guard withheld datagrams; empty: it did not
-  /// Number of attempts. An attempt is repeated if it never reached full contact, or if another fault stopped
-  /// the arm first because the machine was busy.
+  /// Number of attempts. On a busy machine an attempt is repeated: it never reached full contact, its
+  /// recording ends before the contact, or another fault stopped the arm first.
   int attempts{1};
   std::string wrong{};  ///< the requirements that are not met; empty: all are met
 
@@ -82,9 +82,9 @@ void WriteKillCell(const std::filesystem::path& source, double push_N, double li
 
 /// Starts cell, guard and controller as processes, waits until the arm is at rest under the hand's full push,
 /// kills the victim, and observes the simulated cell until the arm has been at rest for a while. An attempt
-/// is repeated, at most three attempts in all, if it never reached full contact, or if another fault stopped
-/// the arm before the victim's own watchdog acted. The error says why there was no trial: a process cannot be
-/// started, or full contact was never reached.
+/// is repeated, at most three attempts in all, if it never reached full contact, if its recording ends before
+/// the contact, or if another fault stopped the arm before the victim's own watchdog acted. The error says
+/// why there was no trial: a process cannot be started, or full contact was never reached.
 [[nodiscard]] tl::expected<KillResult, std::string> RunKillTrial(KillVictim victim,
                                                                  const KillTrialParams& params);
 

@@ -10,6 +10,7 @@
 
 #include "simulation/contact/cutting_math.h"
 #include "simulation/fidelity/carved_shape.h"
+#include "simulation/methods/ball_bone.h"
 #include "simulation/methods/method.h"
 #include "simulation/methods/paper_math.h"
 #include "tests/simulation/engine/engine_bench.h"
@@ -273,6 +274,26 @@ TEST(PaperPrinted, RemovesLessFromBallsNearerTheToolsAxis) {
   double left = 1.0;
   EXPECT_TRUE(ShrinkBall(corrected, left, Vector3(0, 0, -5), Vector3(0, 0, 5), 4.0));
   EXPECT_EQ(left, 0.0);
+}
+
+// The printed equation 5 moves a ball of 1 mm partly out of its original ball. A search must still find it
+// there, also in a bone that loads this state.
+TEST(PaperPrinted, BallThatLeavesItsOriginalBallIsFound) {
+  Bone bone = EmptyBone();
+  for (int i = 0; i < 20; ++i) bone.balls.push_back({.center_m = Vector3(-3e-3 * i, 0, 0), .radius_m = 1e-3});
+  BallBone moved(bone, nullptr);
+  moved.Replace(0, Vector3(0.5e-3, 0, 0), 0.95e-3);
+  CarvedState state;
+  moved.Save(state);
+  BallBone loaded(bone, nullptr);
+  loaded.Load(state);
+  const Vector3 rim(1.4e-3, 0, 0);
+  for (const BallBone* where : {&moved, &loaded}) {
+    std::vector<std::uint32_t> found;
+    where->ForEachBallNear(rim, rim, 0.1e-3,
+                           [&](std::uint32_t i, const BallBone::LiveBall&) { found.push_back(i); });
+    EXPECT_NE(std::ranges::find(found, 0u), found.end());
+  }
 }
 
 TEST(PaperPrinted, LosesContactOnceTheToolOverlapsTheBone) {
