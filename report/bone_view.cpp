@@ -16,7 +16,7 @@
 #include "simulation/surface/chunk_bytes.h"
 #include "simulation/surface/dual_surface.h"
 #include "simulation/surface/millimetres.h"
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 namespace osteon::report {
 namespace {
@@ -59,12 +59,12 @@ std::vector<Pose> DeepestAndOut(const simulation::Bone& bone, const simulation::
 
 /// Returns the ideal cavity: the space that the tools sweep if each moves straight out from its deepest pose.
 simulation::SweptTool IdealCavity(const simulation::Bone& bone, std::span<const simulation::ToolPath> paths) {
-  std::vector<std::vector<Pose>> ways;
+  std::vector<std::vector<Pose>> deepest;
   std::vector<simulation::ToolPath> straight;
-  ways.reserve(paths.size());
+  deepest.reserve(paths.size());
   for (const simulation::ToolPath& path : paths) {
-    ways.push_back(DeepestAndOut(bone, path));
-    straight.push_back({.tool = path.tool, .X_GP = ways.back()});
+    deepest.push_back(DeepestAndOut(bone, path));
+    straight.push_back({.tool = path.tool, .X_GP = deepest.back()});
   }
   return simulation::SweptTool(straight);
 }
@@ -177,16 +177,16 @@ double ColorRange_mm(const CavityError& error) {
 }  // namespace
 
 std::vector<surface::Capsule> CapsulesAlong(const simulation::ToolPath& path) {
-  surface::ToolWays ways(*path.tool, Pose::Identity());
+  surface::ToolSweep sweep(*path.tool, Pose::Identity());
   std::vector<surface::Capsule> capsules;
   std::uint64_t frame = 0;
   const auto append_swept = [&] {
-    const std::vector<surface::Capsule> swept = ways.TakeCapsules();
+    const std::vector<surface::Capsule> swept = sweep.TakeCapsules();
     capsules.insert(capsules.end(), swept.begin(), swept.end());
   };
   for (const Pose& X : path.X_GP) {
     if (!X.matrix().allFinite()) continue;
-    if (ways.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame})) append_swept();
+    if (sweep.Add({.X_WP = X, .p_WS_m = X.translation(), .cuts = true, .frame = ++frame})) append_swept();
   }
   append_swept();
   return capsules;

@@ -73,10 +73,11 @@ safety::LimitedWrench CouplingPipeline::Render(const ArmFollower& arm, safety::L
   safety::LimitedWrench rendered{
       .F = stabilisers_.AddPassivityDamping(output_, X_ME_, V_ME_, limited_E_, limiter_)};
   if (compliance_) rendered.F = limiter_.Limit(OnTool(rendered.F)).F;
-  const bool rides = compliance_ && depth_limit_.rides_on_bone();
-  Vector3 f_depth_W = depth_limit_.Step(rides ? X_ME_.translation() : X_WT_.translation(),
-                                        rides ? V_ME_.v : V_WT_.v, params_.coupling.max_stiffness_N_per_m);
-  if (rides) f_depth_W = compliance_->X_WM().linear() * f_depth_W;
+  const bool moves_with_bone = compliance_ && depth_limit_.rides_on_bone();
+  Vector3 f_depth_W =
+      depth_limit_.Step(moves_with_bone ? X_ME_.translation() : X_WT_.translation(),
+                        moves_with_bone ? V_ME_.v : V_WT_.v, params_.coupling.max_stiffness_N_per_m);
+  if (moves_with_bone) f_depth_W = compliance_->X_WM().linear() * f_depth_W;
   if (depth_limit_.acts()) {
     acting.Add(Limit::kDepth, depth_limit_.resists());
     if (!f_depth_W.isZero(0.0))

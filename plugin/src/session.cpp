@@ -281,7 +281,7 @@ std::optional<OsteonEvent> Session::NextEvent() {
 }
 
 void Session::ApplyToSurface(
-    const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change) try {
+    const std::function<void(surface::CarvedField&, surface::ToolSweep&)>& change) try {
   surface_->Apply(change);
 } catch (const Failure&) {
   throw;
@@ -292,19 +292,19 @@ void Session::ApplyToSurface(
 }
 
 void Session::AwaitField() {
-  if (surface_) ApplyToSurface([](surface::CarvedField&, surface::ToolWays&) {});
+  if (surface_) ApplyToSurface([](surface::CarvedField&, surface::ToolSweep&) {});
 }
 
 surface::BrickLayout Session::SurfaceLayout() {
   surface::BrickLayout layout;
-  ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) { layout = field.layout(); });
+  ApplyToSurface([&](surface::CarvedField& field, surface::ToolSweep&) { layout = field.layout(); });
   return layout;
 }
 
 Session::Saved Session::Remember() {
   Saved saved{.state = engine_->Snapshot(), .swept = std::nullopt, .axis = axis_, .min_wall_m = MinWall()};
   if (surface_)
-    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) { saved.swept = field.swept(); });
+    ApplyToSurface([&](surface::CarvedField& field, surface::ToolSweep&) { saved.swept = field.swept(); });
   return saved;
 }
 
@@ -329,11 +329,11 @@ void Session::Continue(std::shared_ptr<const ToolSource> tool, Saved saved, cons
   watch.emplace(bone_->solid.get(), bone_->bone, tool->tool, bone_->events);
   const Levels levels = LevelsFor(*tool);
   const std::string text = fmt::format("continues with {} at frame {}", tool->tool.name, first.frame);
-  surface::ToolWays begun(tool->tool, Pose::Identity());
+  surface::ToolSweep begun(tool->tool, Pose::Identity());
   if (surface_)  // the last step that can fail: a tool that is refused must not carve the surface
-    ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays& ways) {
+    ApplyToSurface([&](surface::CarvedField& field, surface::ToolSweep& sweep) {
       if (saved.swept) field.SetSwept(std::move(*saved.swept));
-      ways = std::move(begun);
+      sweep = std::move(begun);
     });
 
   // nothing throws from here on: the session takes the new tool and bone
@@ -447,7 +447,7 @@ OsteonSurfaceInfo Session::ExportSurface(const std::string& file) {
   if (const std::string wrong = surface::ValidateSurfaceName(file); !wrong.empty())
     throw Failure(OSTEON_ERROR_ARGUMENT, "file: " + wrong);
   OsteonSurfaceInfo info{};
-  ApplyToSurface([&](surface::CarvedField& field, surface::ToolWays&) {
+  ApplyToSurface([&](surface::CarvedField& field, surface::ToolSweep&) {
     const auto written = surface::WriteSurface(file, field);
     if (!written) throw Failure(OSTEON_ERROR_FILE, written.error().Text());
     info = {.triangles = written->triangles,

@@ -119,7 +119,7 @@ class Session {
   [[nodiscard]] std::unique_ptr<simulation::CuttingEngine> MakeEngine(const ToolSource& tool) const;
   /// Calls SurfaceThread::Apply. Call it only if the session has a surface.
   /// @throws Failure if the surface's thread has failed; otherwise the exceptions of `change`.
-  void ApplyToSurface(const std::function<void(surface::CarvedField&, surface::ToolWays&)>& change);
+  void ApplyToSurface(const std::function<void(surface::CarvedField&, surface::ToolSweep&)>& change);
   /// Waits until the surface's thread has taken all frames. Call it before locking the engine: otherwise
   /// frames would be delayed while a large mesh is sampled for the first time.
   void AwaitField();

@@ -37,7 +37,7 @@ RecordedBone::RecordedBone(const CellSetup& setup, const CellScene& scene, Recor
       params_(params),
       solid_(setup.solid),
       balls_(setup.solid ? simulation::Bone() : setup.bone),
-      ways_(setup.config.tool.tool, setup.X_WG),
+      sweep_(setup.config.tool.tool, setup.X_WG),
       voxel_mm_(surface::VoxelFor(setup.config.tool.tool)) {
   if (params_.own_thread) thread_ = std::thread([this] { Run(); });
 }
@@ -54,16 +54,16 @@ RecordedBone::~RecordedBone() {
 void RecordedBone::UseTool(std::size_t tool) {
   if (tool == tool_ || tool >= params_.tools.size()) return;
   tool_ = tool;
-  ways_.UseTool(params_.tools[tool], gathered_);
+  sweep_.UseTool(params_.tools[tool], gathered_);
 }
 
 void RecordedBone::Add(const simulation::ContactModel& model, bool spindle_turns) {
-  ways_.Add(surface::MakeToolFrame(model, spindle_turns ? 1.0 : 0.0), gathered_);
+  sweep_.Add(surface::MakeToolFrame(model, spindle_turns ? 1.0 : 0.0), gathered_);
 }
 
 RecordedBone::Work RecordedBone::TakeWork(rt::Nanoseconds stamp) {
   return {.batches = std::exchange(gathered_, {}),
-          .taken_back = params_.history.taken_back ? params_.history.taken_back() : TakenBackPasses(),
+          .undone = params_.history.undone ? params_.history.undone() : UndonePasses(),
           .stamp = stamp};
 }
 
@@ -97,7 +97,7 @@ const std::string* RecordedBone::Finish() {
     wake_.notify_all();
     thread_.join();
   }
-  ways_.EndBatch(gathered_);
+  sweep_.EndBatch(gathered_);
   // If a state is ready but was not taken, return it first, because the next state does not contain its
   // bricks.
   std::string before = std::exchange(made_, {});
@@ -106,7 +106,7 @@ const std::string* RecordedBone::Finish() {
     return &taken_;
   }
   const Work rest = TakeWork(last_stamp_);
-  if (begun_ && rest.batches.empty() && rest.taken_back == taken_back_) return nullptr;
+  if (begun_ && rest.batches.empty() && rest.undone == undone_) return nullptr;
   MakeState(rest);
   if (made_.empty()) return nullptr;
   taken_ = std::exchange(made_, {});
@@ -157,27 +157,27 @@ void RecordedBone::MakeField() {
 }
 
 // Carves the bone again from the uncut state: by the session's earlier recordings, then by the kept batches
-// of passes that were not taken back.
+// of passes that were not undone.
 surface::CarvedField RecordedBone::CarveAnew() const {
   surface::CarvedField field(solid_field_);
   if (params_.history.carve_earlier) params_.history.carve_earlier(field);
-  field.Carve(CapsulesOf(kept_, taken_back_.here));
+  field.Carve(CapsulesOf(kept_, undone_.here));
   return field;
 }
 
 // Carves the work's batches into the bone. If bricks changed, encodes them as the message made_.
 void RecordedBone::MakeState(const Work& work) try {
   if (!field_ && !no_field_) {
-    taken_back_ = work.taken_back;
+    undone_ = work.undone;
     MakeField();
   }
   if (no_field_) return;
-  if (work.taken_back != taken_back_) {
-    taken_back_ = work.taken_back;
+  if (work.undone != undone_) {
+    undone_ = work.undone;
     field_->SetSwept(CarveAnew().swept());
   }
-  field_->Carve(CapsulesOf(work.batches, taken_back_.here));
-  if (params_.history.taken_back)
+  field_->Carve(CapsulesOf(work.batches, undone_.here));
+  if (params_.history.undone)
     std::ranges::copy_if(work.batches, std::back_inserter(kept_),
                          [](const auto& batch) { return batch->touches; });
   const auto material = [this](surface::Vec3 p_mm) {

@@ -25,19 +25,19 @@ struct RecordedBoneParams {
   std::size_t max_quads{30'000};
   /// tools of a procedure, by TickInput::tool_index; empty: only the cell's own tool
   std::vector<simulation::Tool> tools{};
-  BoneHistory history{};  ///< earlier recordings and taken-back passes of the procedure's session
+  BoneHistory history{};  ///< earlier recordings and undone passes of the procedure's session
 };
 
 /// Makes messages of a run's carved bone for the recording: the first has the whole surface, each later one
 /// the bricks that have changed. The surface is coarser than the console's, so that it adds little to a
 /// recording.
 ///
-///     frame ─▶ BatchedWays ─▶ batches ─┐ state is due              ┌─▶ Take: message for the file
+///     frame ─▶ BatchedSweep ─▶ batches ─┐ state is due              ┌─▶ Take: message for the file
 ///                                      └─▶ own thread: carve, mesh ┘
 ///
 /// If a state is due while the previous one is still being made, it is begun later, so the caller never
 /// waits. In a procedure's session the batches that touched bone are kept (some 3 MB for an hour of reaming).
-/// If a pass is taken back, the next state is carved again from the batches of the remaining passes.
+/// If a pass is undone, the next state is carved again from the batches of the remaining passes.
 class RecordedBone {
  public:
   /// @param scene  must outlive this
@@ -65,7 +65,7 @@ class RecordedBone {
  private:
   struct Work {
     surface::SweptBatches batches;  // since the last state
-    TakenBackPasses taken_back;     // passes that were taken back before the state was begun
+    UndonePasses undone;            // passes that were undone before the state was begun
     rt::Nanoseconds stamp{0};
   };
   [[nodiscard]] Work TakeWork(rt::Nanoseconds stamp);
@@ -79,7 +79,7 @@ class RecordedBone {
   RecordedBoneParams params_;
   std::shared_ptr<const simulation::Solid> solid_;
   simulation::Bone balls_;  // the bone's balls; used if there is no solid
-  surface::BatchedWays ways_;
+  surface::BatchedSweep sweep_;
   std::size_t tool_{0};
   surface::SweptBatches gathered_;       // since the last state
   std::optional<rt::Nanoseconds> next_;  // log time at which the next state is due; nothing: at once
@@ -91,7 +91,7 @@ class RecordedBone {
   std::shared_ptr<const surface::SolidField> solid_field_;
   std::unique_ptr<surface::CarvedField> field_;
   surface::SweptBatches kept_;  // in a procedure's session: all batches that touched bone
-  TakenBackPasses taken_back_;  // the taken-back passes, which are not carved in field_
+  UndonePasses undone_;         // the undone passes, which are not carved in field_
   bool no_field_{false};        // no grid was coarse enough for the bone, or carving has failed
   bool begun_{false};           // the first state, with the whole surface, has been made
   float voxel_mm_{0.0F};

@@ -8,8 +8,8 @@
 
 namespace osteon::session {
 
-TakenBackPasses FindTakenBack(const SessionFile& session, const std::string& recording) {
-  TakenBackPasses found;
+UndonePasses FindUndone(const SessionFile& session, const std::string& recording) {
+  UndonePasses found;
   for (const SessionPass& pass : session.passes) {
     if (!pass.undone) continue;
     if (session.segments.at(static_cast<std::size_t>(pass.segment)).recording == recording)
@@ -22,7 +22,7 @@ TakenBackPasses FindTakenBack(const SessionFile& session, const std::string& rec
 
 BoneHistory HistoryOf(const ProcedureSession& session, const Pose& X_WG) {
   BoneHistory history;
-  history.taken_back = [&session] { return FindTakenBack(session.File(), session.recording()); };
+  history.undone = [&session] { return FindUndone(session.File(), session.recording()); };
   const SessionFile file = session.File();
   if (file.segments.empty() || file.segments.front().recording == session.recording()) return history;
   history.carve_earlier = [&session, X_WG](surface::CarvedField& field) {

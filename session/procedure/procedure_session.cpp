@@ -337,8 +337,8 @@ void ProcedureSession::SwitchTool(const ToolCommand& command, FrameRunner& runne
   }
   runner.ReplaceEngine(std::move(*engine), *watched.depth, *watched.watch);
   if (surface::SurfaceThread* surface = runner.surface())
-    surface->Apply([&](surface::CarvedField&, surface::ToolWays& ways) {
-      ways = surface::ToolWays(tool.tool, params_.X_WG);
+    surface->Apply([&](surface::CarvedField&, surface::ToolSweep& sweep) {
+      sweep = surface::ToolSweep(tool.tool, params_.X_WG);
     });
   CloseSegment(last_stamp_);
   tool_ = index;
@@ -384,7 +384,7 @@ SessionAnswer ProcedureSession::Undo(const ToolCommand& command, FrameRunner& ru
   saved_name_ = name;
   saved_hash_ = simulation::HashText(*state);
   if (surface::SurfaceThread* surface = runner.surface())
-    surface->TakeBack(FindTakenBack(after, params_.recording).here);
+    surface->Undo(FindUndone(after, params_.recording).here);
   changed_ = true;
   pass_.Restart();
   OpenSegment(command.stamp);

@@ -48,7 +48,7 @@ struct SessionPass {
   double removed_mm3{0.0};
   std::string state;       ///< file of the carved state after the pass
   std::string state_hash;  ///< HashState of that state
-  bool undone{false};      ///< taken back: included in the session's time, not in its result
+  bool undone{false};      ///< true: counts in the session's time, not in its result
   /// Smallest height of the simulated head's centre over its planned place; negative: deeper. Absent: the
   /// session was made before this figure existed.
   std::optional<double> to_go_mm{};

@@ -14,7 +14,7 @@
 #include "session/summary/chart_files.h"
 #include "simulation/surface/bone_solid.h"
 #include "simulation/surface/carved_field.h"
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 namespace osteon::session {
 namespace {
@@ -117,7 +117,7 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
       report::CarveAlong(field, cut->paths());
       return WriteField(file, field, drop_below_mm3, std::move(written));
     }
-    surface::ToolWays ways(tool, setup.X_WG);
+    surface::ToolSweep sweep(tool, setup.X_WG);
     const auto carved =
         EachMessage(recording, io::RecordedTopic::kFrame, [&](const io::RecordingStream& stream) {
           const simulation::FrameRecord& frame = stream.frame;
@@ -125,10 +125,10 @@ tl::expected<WrittenSurface, std::string> WriteRecordedSurface(const std::filesy
           if (at_s && time_s > *at_s) return;
           written.time_s = std::max(written.time_s, time_s);
           const double turning = spindle.TurnsAt(frame.model.pose_stamp) ? 1.0 : 0.0;
-          if (ways.Add(surface::MakeToolFrame(frame.model, turning))) field.Carve(ways.TakeCapsules());
+          if (sweep.Add(surface::MakeToolFrame(frame.model, turning))) field.Carve(sweep.TakeCapsules());
         });
     if (!carved) return tl::make_unexpected(carved.error());
-    field.Carve(ways.TakeCapsules());
+    field.Carve(sweep.TakeCapsules());
     return WriteField(file, field, drop_below_mm3, std::move(written));
   } catch (const std::invalid_argument& error) {  // the grid is too large for the memory
     return tl::make_unexpected(fmt::format("{}: {}", file.string(), error.what()));

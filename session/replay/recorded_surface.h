@@ -26,7 +26,7 @@ struct WrittenSurface {
 
 /// Carves the bone's solid along the frames of a recording, and writes its surface. Frames give the proxy's
 /// path, ticks the times in which the spindle turned. For a recording of a session, the solid is carved along
-/// all passes of the session up to that time that were not taken back.
+/// all passes of the session up to that time that were not undone.
 /// @param setup  the cell of the recording: bone, solid, tool and X_WG
 /// @param at_s   up to this time since the recording's start; none: to its end
 /// @param drop_below_mm3  smaller loose pieces are left out; 0: none is left out

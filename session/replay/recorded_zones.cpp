@@ -42,7 +42,7 @@ tl::expected<std::unique_ptr<simulation::CuttingEngine>, std::string> RecordedZo
     if (!engines) return tl::make_unexpected(engines.error());
     if (!simulation::CarveTrail(*engines->carver, trail_->places()))
       return tl::make_unexpected("the coarser zones: a frame of the carving was refused");
-    engines->engine->Restore(simulation::MergeBooks(engines->carver->Snapshot(), now.Snapshot()));
+    engines->engine->Restore(simulation::MergeCarvedStates(engines->carver->Snapshot(), now.Snapshot()));
     rezoned_.push_back(std::move(rezoned));
     return std::move(engines->engine);
   } catch (const std::invalid_argument& error) {

@@ -156,7 +156,7 @@ std::optional<AdaptiveResolution::Made> AdaptiveResolution::TakeReplacement(
     const simulation::CarvedState counted = now.Snapshot();
     if (!simulation::ReachedPose(carved, Pose(counted.X_GP), lever_m_, kArrived_m))
       return refuse("bone that the tool does not cut is in its way");
-    making->made.engine->Restore(simulation::MergeBooks(std::move(carved), counted));
+    making->made.engine->Restore(simulation::MergeCarvedStates(std::move(carved), counted));
   } catch (const std::exception& error) {  // out of memory, for example: the run continues unchanged
     return refuse(error.what());
   }

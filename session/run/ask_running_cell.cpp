@@ -115,7 +115,7 @@ std::string DoneText(const std::string& request, const nlohmann::json& procedure
   if (!procedure.is_object()) return "done";
   const std::string word = request.substr(0, request.find(' '));
   if (word == "next" || word == "tool") return "tool: " + ToolLine(procedure);
-  if (word == "undo") return "the last pass is taken back; passes that count: " + PassesLine(procedure);
+  if (word == "undo") return "the last pass is undone; passes that count: " + PassesLine(procedure);
   if (word == "save") return "saved; passes that count: " + PassesLine(procedure);
   if (word == "finish") return "the session is saved, and the run ends in order";
   if (word == "cup") return "the tool's pose is kept as the cup's";

@@ -9,7 +9,7 @@ namespace osteon::session {
 
 CarvedBone::CarvedBone(std::shared_ptr<const surface::SolidField> solid,
                        std::shared_ptr<const RecordedCut> cut)
-    : field(std::move(solid)), ways(cut->tools.front(), cut->X_WG), cut_(std::move(cut)) {
+    : field(std::move(solid)), sweep(cut->tools.front(), cut->X_WG), cut_(std::move(cut)) {
   cut_->CarveEarlier(field);
 }
 
@@ -18,12 +18,12 @@ CarvedBone::CarvedBone(std::shared_ptr<const surface::SolidField> solid,
 void CarvedBone::Use(std::size_t tool) {
   if (tool == tool_ || tool >= cut_->tools.size()) return;
   Gather();
-  ways = surface::ToolWays(cut_->tools[tool], cut_->X_WG);
+  sweep = surface::ToolSweep(cut_->tools[tool], cut_->X_WG);
   tool_ = tool;
 }
 
 void CarvedBone::Gather() {
-  const std::vector<surface::Capsule> swept = ways.TakeCapsules();
+  const std::vector<surface::Capsule> swept = sweep.TakeCapsules();
   gathered_.insert(gathered_.end(), swept.begin(), swept.end());
 }
 
@@ -38,7 +38,7 @@ void CarvedBone::Take(io::RecordedTopic topic, const RecordingTimeline& timeline
   if (topic != io::RecordedTopic::kFrame) return;
   const simulation::ContactModel& model = message.frame.model;
   const bool cuts = turns && cut_->Counts(model.pose_stamp);
-  if (!ways.Add(surface::MakeToolFrame(model, cuts ? 1.0 : 0.0))) return;
+  if (!sweep.Add(surface::MakeToolFrame(model, cuts ? 1.0 : 0.0))) return;
   Gather();
   if (gathered_.size() >= kMaxGathered) Carve();
 }
@@ -50,7 +50,7 @@ void CarvedBone::Carve() {
 
 void CarvedBone::JumpTo(const CarvedBone& other) {
   field.SetSwept(other.field.swept());
-  ways = other.ways;
+  sweep = other.sweep;
   tool_ = other.tool_;
   turns = other.turns;
   at_s = other.at_s;
@@ -60,7 +60,7 @@ void CarvedBone::JumpTo(const CarvedBone& other) {
 
 void CarvedBone::CarveAll() {
   Carve();
-  field.Carve(ways.TakeCapsules());
+  field.Carve(sweep.TakeCapsules());
 }
 
 CarvedKeys::CarvedKeys(const std::filesystem::path& recording, const CarvedBone& begin)

@@ -11,7 +11,7 @@
 #include "session/view/recorded_cut.h"
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 namespace osteon::session {
 
@@ -20,7 +20,7 @@ namespace osteon::session {
 /// node of the field's grid. The field is bit for bit the same as if each capsule were carved alone.
 struct CarvedBone {
   surface::CarvedField field;
-  surface::ToolWays ways;        ///< path of the tool in use, from which the swept capsules are made
+  surface::ToolSweep sweep;      ///< path of the tool in use, from which the swept capsules are made
   bool turns{false};             ///< whether the spindle turned in the last tick
   double at_s{0.0};              ///< time of the last tick on the time line
   rt::Nanoseconds last_tick{0};  ///< stamp of the last tick; 0: there was none yet
@@ -30,8 +30,8 @@ struct CarvedBone {
 
   /// Takes the message that the time line has read. Carve applies it to `field`.
   void Take(io::RecordedTopic topic, const RecordingTimeline& timeline);
-  /// Carves the messages taken so far, up to the last complete batch: ToolWays makes capsules from a batch of
-  /// several frames at once. The frames of an incomplete batch wait.
+  /// Carves the messages taken so far, up to the last complete batch: ToolSweep makes capsules from a batch
+  /// of several frames at once. The frames of an incomplete batch wait.
   void Carve();
   /// Becomes a copy of another state of the same recording's bone. Only the bricks (blocks of the field's
   /// grid) that differ are marked as changed, so that the surface is made anew there alone.
@@ -43,10 +43,10 @@ struct CarvedBone {
 
  private:
   void Use(std::size_t tool);  // sets the tool for the following path
-  void Gather();               // moves the swept capsules from `ways` to gathered_
+  void Gather();               // moves the swept capsules from `sweep` to gathered_
 
   std::shared_ptr<const RecordedCut> cut_;
-  std::size_t tool_{0};                     // the tool whose path is in `ways`
+  std::size_t tool_{0};                     // the tool whose path is in `sweep`
   std::vector<surface::Capsule> gathered_;  // swept, but not carved yet
 };
 

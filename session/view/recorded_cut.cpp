@@ -10,7 +10,7 @@
 namespace osteon::session {
 
 bool RecordedCut::Counts(rt::Nanoseconds pose_stamp) const {
-  return std::ranges::none_of(taken_back, [pose_stamp](const surface::WayTimes& pass) {
+  return std::ranges::none_of(undone, [pose_stamp](const surface::SweepTimes& pass) {
     return pose_stamp >= pass.begin && pose_stamp <= pass.end;
   });
 }
@@ -33,7 +33,7 @@ tl::expected<std::shared_ptr<const RecordedCut>, std::string> ReadRecordedCut(
   const auto session = FindSessionOf(recording);
   if (!session) return cut;
   const std::string name = recording.filename().string();
-  cut->taken_back = FindTakenBack(*session, name).here;
+  cut->undone = FindUndone(*session, name).here;
   auto earlier = ReadCutBefore(recording.parent_path(), *session, name, cut->tools, setup.X_WG);
   if (!earlier) return tl::make_unexpected(earlier.error());
   cut->earlier = std::move(*earlier);

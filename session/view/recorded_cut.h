@@ -20,15 +20,15 @@
 namespace osteon::session {
 
 /// The facts that carving a recording's bone needs beside the recording's messages: every tool, what the
-/// session's earlier recordings cut, and which passes the session took back later.
+/// session's earlier recordings cut, and which passes the session undid later.
 struct RecordedCut {
   std::vector<simulation::Tool> tools;  ///< the tools, by TickInput::tool_index; at least one
   Pose X_WG{Pose::Identity()};
-  std::vector<surface::WayTimes> taken_back{};  ///< times of the passes that were taken back later
+  std::vector<surface::SweepTimes> undone{};  ///< times of the passes that were undone later
   std::optional<SessionCut>
       earlier{};  ///< the cut of the session's earlier recordings; empty: this is the first
 
-  /// Whether a frame's cut is to be carved: its pass was not taken back later.
+  /// Whether a frame's cut is to be carved: its pass was not undone later.
   /// @param pose_stamp  the frame's ContactModel::pose_stamp
   [[nodiscard]] bool Counts(rt::Nanoseconds pose_stamp) const;
   /// Carves the bone that was cut before the recording begins.

@@ -123,7 +123,7 @@ void ViewSurface::Publish() {
       if (is_map) map_->Colour(bone_->field, chunks_[i]);
     }
     if (is_map) map_->TellLargest();
-    feed_.Publish(std::span(chunks_).first(bricks.size()), bone_->ways.frame());
+    feed_.Publish(std::span(chunks_).first(bricks.size()), bone_->sweep.frame());
     bone_->field.ClearDirty();
   }
   shown_s_.store(bone_->at_s);

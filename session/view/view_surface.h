@@ -15,7 +15,7 @@
 #include "session/view/recording_timeline.h"
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/tissue_bricks.h"
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 namespace osteon::session {
 

@@ -301,7 +301,7 @@ void CheckMemory(const CarvedState& state, std::size_t tool_balls) {
                              state.cutting_debt_J, contact.friction})
     if (!std::isfinite(value))
       throw std::invalid_argument(
-          fmt::format("carved state: books: found {}, accepted finite numbers", value));
+          fmt::format("carved state: totals: found {}, accepted finite numbers", value));
 }
 
 bool IsUsable(const FrameInput& input) {

@@ -46,7 +46,7 @@ bool ReachedPose(const CarvedState& carved, const Pose& X_GP, double lever_m, do
   return carved.has_proxy && WayBetween(Pose(carved.X_GP), X_GP, lever_m) <= tolerance_m;
 }
 
-CarvedState MergeBooks(CarvedState carved, const CarvedState& counted) {
+CarvedState MergeCarvedStates(CarvedState carved, const CarvedState& counted) {
   if (carved.cleared.size() != counted.cleared.size())
     throw std::invalid_argument(fmt::format("carved state: found {} mass points, accepted {}",
                                             counted.cleared.size(), carved.cleared.size()));

@@ -50,6 +50,6 @@ class ProxyTrail {
 /// work and debt, and frame number.
 /// @param counted  state of a bone with the same mass points; its proxy is at the trail's end
 /// @throws std::invalid_argument if the numbers of mass points differ.
-[[nodiscard]] CarvedState MergeBooks(CarvedState carved, const CarvedState& counted);
+[[nodiscard]] CarvedState MergeCarvedStates(CarvedState carved, const CarvedState& counted);
 
 }  // namespace osteon::simulation

@@ -163,7 +163,7 @@ class Reader {
                                        header_.cutting_work_J, header_.cutting_debt_J};
     for (std::size_t i = 0; i < totals.size(); ++i)
       if (!std::isfinite(totals[i]) || (i < 3 && totals[i] < 0.0))
-        Fail(offsetof(CarvedHeader, removed_volume_m3) + 8 * i, "books", fmt::format("{}", totals[i]),
+        Fail(offsetof(CarvedHeader, removed_volume_m3) + 8 * i, "totals", fmt::format("{}", totals[i]),
              i < 3 ? "0 and more" : "a finite number");
     CheckContact();
     if (header_.has_proxy > 1)

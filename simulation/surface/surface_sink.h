@@ -21,7 +21,7 @@ class SurfaceSink {
   /// Publishes chunks that replace those of the same bricks. The first call contains every brick that has a
   /// surface.
   /// @param chunks  valid during the call only
-  /// @param frame   number of the last frame that was read (ToolWays::frame); the frames of an incomplete
+  /// @param frame   number of the last frame that was read (ToolSweep::frame); the frames of an incomplete
   ///   batch are not carved yet
   virtual void Publish(std::span<const SurfaceChunk> chunks, std::uint64_t frame) = 0;
 };

@@ -19,7 +19,7 @@ namespace osteon::surface {
 namespace {
 
 // Largest numbers of frames and of bricks in one step of the idle thread: some 0.2 ms of work.
-constexpr std::size_t kFramesPerStep = 4 * ToolWays::kBatchFrames, kBricksPerStep = 16;
+constexpr std::size_t kFramesPerStep = 4 * ToolSweep::kBatchFrames, kBricksPerStep = 16;
 // Number of chunks whose memory is kept for the next change. The first mesh has all bricks of the bone, a
 // later change some dozens.
 constexpr std::size_t kKeptChunks = 256;
@@ -49,7 +49,7 @@ SurfaceThread::SurfaceThread(const simulation::Tool& tool, const Pose& X_WG, Sur
       ring_(params_.ring_frames),
       shown_ns_(rt::MonotonicNow()),
       read_ns_(shown_ns_.load()),
-      ways_(tool, X_WG),
+      sweep_(tool, X_WG),
       thread_([this] { Guard(&SurfaceThread::Run); }),
       idle_thread_([this] { Guard(&SurfaceThread::RunWhenIdle); }) {}
 
@@ -65,26 +65,26 @@ std::chrono::nanoseconds SurfaceThread::age() const {
   return std::chrono::nanoseconds(rt::MonotonicNow() - shown_ns_.load());
 }
 
-void SurfaceThread::Apply(const std::function<void(CarvedField&, ToolWays&)>& change) {
+void SurfaceThread::Apply(const std::function<void(CarvedField&, ToolSweep&)>& change) {
   std::unique_lock lock(mutex_);
   begun_.wait(lock, [this] { return field_ || !error_.empty(); });
   if (!error_.empty()) throw std::runtime_error(error_);
   CarveFrames(kAll);
   CarveRest();
-  change(*field_, ways_.ways());
+  change(*field_, sweep_.sweep());
   StartPass();
   ExtractSome(kAll);
 }
 
-void SurfaceThread::TakeBack(std::vector<WayTimes> ways) {
+void SurfaceThread::Undo(std::vector<SweepTimes> parts) {
   const std::lock_guard lock(asked_mutex_);
-  asked_ = std::move(ways);
+  asked_ = std::move(parts);
 }
 
 // Carves a second field while the published one stays in use, so that no thread waits for the lock meanwhile.
 // Then takes the lock, adds the batches that have arrived since, and replaces the published field.
 void SurfaceThread::CarveAnewIfAsked() {
-  std::optional<std::vector<WayTimes>> asked;
+  std::optional<std::vector<SweepTimes>> asked;
   {
     const std::lock_guard lock(asked_mutex_);
     asked = std::exchange(asked_, std::nullopt);
@@ -94,7 +94,7 @@ void SurfaceThread::CarveAnewIfAsked() {
   {
     const std::lock_guard lock(mutex_);
     CarveFrames(kAll);
-    taken_back_ = *asked;
+    undone_ = *asked;
     batches = kept_;
   }
   CarvedField new_field(solid_);
@@ -208,7 +208,7 @@ void SurfaceThread::PassInSteps() {
 bool SurfaceThread::CarveFrames(std::size_t max_frames) {
   const rt::Nanoseconds now = rt::MonotonicNow();
   std::size_t count = 0;
-  for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) ways_.Add(frame, fresh_);
+  for (ToolFrame frame; count < max_frames && ring_.Pop(frame); ++count) sweep_.Add(frame, fresh_);
   // Carve all new batches in one call. Most nodes get their value from the last batch, so separate calls
   // would do most of the work in vain.
   if (!fresh_.empty()) CarveFresh();
@@ -218,12 +218,12 @@ bool SurfaceThread::CarveFrames(std::size_t max_frames) {
 }
 
 void SurfaceThread::CarveRest() {
-  ways_.EndBatch(fresh_);
+  sweep_.EndBatch(fresh_);
   CarveFresh();
 }
 
 void SurfaceThread::CarveFresh() {
-  field_->Carve(CapsulesOf(fresh_, taken_back_));
+  field_->Carve(CapsulesOf(fresh_, undone_));
   if (params_.keeps_batches)
     std::ranges::copy_if(fresh_, std::back_inserter(kept_), [](const auto& batch) { return batch->touches; });
   fresh_.clear();
@@ -242,7 +242,7 @@ bool SurfaceThread::ExtractSome(std::size_t max_bricks) {
   for (; max_bricks > 0 && extracted_ < dirty.size(); --max_bricks, ++extracted_)
     ExtractChunk(*field_, dirty[extracted_], chunks_[extracted_], {}, tissue_->OfBrick(dirty[extracted_]));
   if (extracted_ < dirty.size()) return true;
-  if (!dirty.empty()) sink_.Publish(std::span(chunks_).first(dirty.size()), ways_.frame());
+  if (!dirty.empty()) sink_.Publish(std::span(chunks_).first(dirty.size()), sweep_.frame());
   field_->ClearDirty();
   chunks_.resize(std::min(chunks_.size(), kKeptChunks));
   published_ = true;

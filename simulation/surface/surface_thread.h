@@ -38,7 +38,7 @@ struct SurfaceThreadParams {
   /// Returns whether somebody watches the surface. Called from any thread. After the first mesh, frames are
   /// still carved while nobody watches, but no mesh is made. Empty: the surface is always watched.
   std::function<bool()> is_watched{};
-  /// true: stores the batches that touch bone, so that TakeBack can leave some out
+  /// true: stores the batches that touch bone, so that Undo can leave some out
   bool keeps_batches{false};
 };
 
@@ -78,18 +78,18 @@ class SurfaceThread {
   /// First waits until the field is made, which takes seconds for a mesh. Any thread may call it, also after
   /// Stop.
   /// @throws std::runtime_error with error() if the thread has failed; otherwise what `change` throws.
-  void Apply(const std::function<void(CarvedField&, ToolWays&)>& change);
+  void Apply(const std::function<void(CarvedField&, ToolSweep&)>& change);
 
   /// Undoes these parts of the tool's path: the thread soon carves the rest of the path anew, and the caller
   /// does not wait. Needs keeps_batches. Any thread may call it.
-  /// @param ways  all parts to undo, including those of earlier calls
-  void TakeBack(std::vector<WayTimes> ways);
+  /// @param parts  all parts to undo, including those of earlier calls
+  void Undo(std::vector<SweepTimes> parts);
 
   /// Carves and publishes all pushed frames, and ends the threads. May be called twice.
   void Stop();
 
   /// Age of the published surface: the surface contains all frames that were pushed at least this long ago,
-  /// except those of a batch that is not complete yet (ToolWays::kBatchFrames). It is some 40 ms if a CPU is
+  /// except those of a batch that is not complete yet (ToolSweep::kBatchFrames). It is some 40 ms if a CPU is
   /// idle now and then, and grows while nobody watches. Any thread may call it.
   [[nodiscard]] std::chrono::nanoseconds age() const;
 
@@ -108,7 +108,7 @@ class SurfaceThread {
   void TryForIdleCpu();  // uses CPU time for a moment, so that RunWhenIdle sees whether the thread gets any
   [[nodiscard]] bool IsWatched() const { return !params_.is_watched || params_.is_watched(); }
   [[nodiscard]] bool IsBehind() const;  // whether the surface is too old to wait for an idle CPU
-  void CarveAnewIfAsked();              // carves the field anew if TakeBack has asked for it
+  void CarveAnewIfAsked();              // carves the field anew if Undo has asked for it
 
   // The functions from here on are called with the lock held.
   bool CarveFrames(std::size_t max_frames);  // returns whether the ring is empty
@@ -132,17 +132,17 @@ class SurfaceThread {
   std::shared_ptr<const SolidField> solid_;
   std::optional<CarvedField> field_;
   std::optional<TissueBricks> tissue_;
-  BatchedWays ways_;
+  BatchedSweep sweep_;
   SweptBatches fresh_;  // batches that are not carved yet
   SweptBatches kept_;   // carved batches; stored only if keeps_batches
-  std::vector<WayTimes> taken_back_;
+  std::vector<SweepTimes> undone_;
   std::vector<SurfaceChunk> chunks_;  // kept, so that its memory is reused
   bool published_{false};             // the first mesh was published
   std::size_t extracted_{0};          // dirty bricks that were extracted since the field last changed
   std::uint64_t passes_{0};           // number of changes of the field
   std::string error_;                 // read without the lock once the thread is joined
   std::mutex asked_mutex_;            // guards asked_, and is held briefly
-  std::optional<std::vector<WayTimes>> asked_;  // argument of a TakeBack that is not carved yet
+  std::optional<std::vector<SweepTimes>> asked_;  // argument of an Undo that is not carved yet
   std::thread thread_, idle_thread_;
 };
 

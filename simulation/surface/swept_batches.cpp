@@ -5,37 +5,37 @@
 
 namespace osteon::surface {
 
-bool SweptBatch::Counts(const std::vector<WayTimes>& taken_back) const {
+bool SweptBatch::Counts(const std::vector<SweepTimes>& undone) const {
   return std::ranges::none_of(
-      taken_back, [this](const WayTimes& way) { return times.end >= way.begin && times.begin <= way.end; });
+      undone, [this](const SweepTimes& way) { return times.end >= way.begin && times.begin <= way.end; });
 }
 
-std::vector<Capsule> CapsulesOf(const SweptBatches& batches, const std::vector<WayTimes>& taken_back) {
+std::vector<Capsule> CapsulesOf(const SweptBatches& batches, const std::vector<SweepTimes>& undone) {
   std::vector<Capsule> capsules;
   for (const auto& batch : batches)
-    if (batch->Counts(taken_back))
+    if (batch->Counts(undone))
       capsules.insert(capsules.end(), batch->capsules.begin(), batch->capsules.end());
   return capsules;
 }
 
-void BatchedWays::Add(const ToolFrame& frame, SweptBatches& out) {
+void BatchedSweep::Add(const ToolFrame& frame, SweptBatches& out) {
   if (frame.frame != 0 && frame.cuts) {
     if (open_.times.begin == 0) open_.times.begin = frame.pose_stamp;
     open_.times.end = frame.pose_stamp;
     open_.touches = open_.touches || frame.touches;
   }
-  if (ways_.Add(frame)) EndBatch(out);
+  if (sweep_.Add(frame)) EndBatch(out);
 }
 
-void BatchedWays::EndBatch(SweptBatches& out) {
-  open_.capsules = ways_.TakeCapsules();
+void BatchedSweep::EndBatch(SweptBatches& out) {
+  open_.capsules = sweep_.TakeCapsules();
   SweptBatch ended = std::exchange(open_, {});
   if (!ended.capsules.empty()) out.push_back(std::make_shared<const SweptBatch>(std::move(ended)));
 }
 
-void BatchedWays::UseTool(const simulation::Tool& tool, SweptBatches& out) {
+void BatchedSweep::UseTool(const simulation::Tool& tool, SweptBatches& out) {
   EndBatch(out);
-  ways_ = ToolWays(tool, X_WG_);
+  sweep_ = ToolSweep(tool, X_WG_);
 }
 
 }  // namespace osteon::surface

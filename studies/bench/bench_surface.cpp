@@ -22,7 +22,7 @@
 #include "simulation/surface/carved_field.h"
 #include "simulation/surface/chunk_bytes.h"
 #include "simulation/surface/dual_surface.h"
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 namespace osteon::studies {
 namespace {
@@ -84,12 +84,12 @@ SurfaceTimes Measure(const session::CellSetup& setup, double voxel_mm, std::size
   const Pose X_WC = setup.X_WG * simulation::CupPose(setup.bone.site);
   // A cup (a site wider than 20 mm in radius) is cut from its floor, a smaller site from its origin.
   const double start_m = setup.bone.site.radius_m > 0.02 ? -setup.bone.site.radius_m : 0.0;
-  surface::ToolWays ways(setup.config.tool.tool, setup.X_WG);
+  surface::ToolSweep sweep(setup.config.tool.tool, setup.X_WG);
   std::vector<std::uint8_t> bytes;
   for (std::size_t frame = 0; frame < frames && !base::Interrupted(); ++frame) {
-    if (!ways.Add(FrameOf(X_WC, start_m, frame))) continue;
+    if (!sweep.Add(FrameOf(X_WC, start_m, frame))) continue;
     (void)watch.Lap();
-    field.Carve(ways.TakeCapsules());
+    field.Carve(sweep.TakeCapsules());
     times.carve_ms.push_back(1e3 * watch.Lap());
     Extract(field, chunks);
     times.extract_ms.push_back(1e3 * watch.Lap());
@@ -134,7 +134,7 @@ int Run(const BenchSurfaceOptions& options) {
                               {"machine", session::MachineName()},
                               {"frames", options.frames},
                               {"rows", nlohmann::ordered_json::array()}};
-  fmt::print("Osteon bench surface: steps of {} frames, medians, on {}\n\n", surface::ToolWays::kBatchFrames,
+  fmt::print("Osteon bench surface: steps of {} frames, medians, on {}\n\n", surface::ToolSweep::kBatchFrames,
              session::MachineName());
   fmt::print("{:<12} {:>6} {:>8} {:>8} {:>10} {:>7} {:>8} {:>8} {:>7} {:>7} {:>8}\n", "cell", "voxel",
              "build s", "mesh s", "triangles", "MB", "carve ms", "extr. ms", "pack ms", "bricks", "chunk kB");

@@ -18,18 +18,19 @@ constexpr rt::Nanoseconds kHandOver = 10 * rt::kSecond;
 // Computes the commanded joints of a tick. It receives the tick (negative: the arm waits), the measured
 // joints and the wrench on the tool, and fills in its part of the tick's record.
 using Commander =
-    std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick&)>;
+    std::function<JointVector(int tick, const JointVector& q_meas, const Wrench& F_T_W, ArmTrialTick&)>;
 
 // Simulates the arm in the scene, commanded by `command`. @returns the ticks from the hand-over of the arm on
-std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene, const Commander& command) {
+std::vector<ArmTrialTick> RunTrial(const ArmTrialParams& params, const ArmScene& scene,
+                                   const Commander& command) {
   const kinematics::LbrArm arm(params.arm);
   hil::ServoArm servo(params.servo, params.arm.limits, kDt_s, params.q_start);
   JointVector q_before = params.q_start;
-  std::vector<ArmRideTick> ride;
+  std::vector<ArmTrialTick> trial;
   const int ticks = static_cast<int>(std::lround(params.seconds / kDt_s));
-  ride.reserve(static_cast<std::size_t>(ticks));
+  trial.reserve(static_cast<std::size_t>(ticks));
   for (int i = -static_cast<int>(std::lround(params.waiting_s / kDt_s)); i < ticks; ++i) {
-    ArmRideTick tick;
+    ArmTrialTick tick;
     const Eigen::Matrix<double, 6, 1> V = arm.JacobianAt(servo.q(), params.X_FT.translation()) * servo.qd();
     tick.X_WT_meas = arm.FlangePose(servo.q()) * params.X_FT;
     const Wrench F = scene.hand(i, tick.X_WT_meas, {.v = V.head<3>(), .w = V.tail<3>()});
@@ -40,9 +41,9 @@ std::vector<ArmRideTick> Ride(const ArmRideParams& params, const ArmScene& scene
     tick.X_WT = arm.FlangePose(q) * params.X_FT;
     tick.f_hand_N = F.f;
     q_before = q;
-    if (i >= 0) ride.push_back(tick);
+    if (i >= 0) trial.push_back(tick);
   }
-  return ride;
+  return trial;
 }
 
 // The scene of a hand that leads the tool's origin along a path.
@@ -57,9 +58,9 @@ ArmScene SceneOf(const hil::OperatorHandParams& params, const HandPath& path) {
 }
 
 // Returns the same run with the path's goal entered in every tick.
-std::vector<ArmRideTick> WithGoals(std::vector<ArmRideTick> ride, const HandPath& path) {
-  for (std::size_t i = 0; i < ride.size(); ++i) ride[i].goal = path(static_cast<double>(i) * kDt_s);
-  return ride;
+std::vector<ArmTrialTick> WithGoals(std::vector<ArmTrialTick> trial, const HandPath& path) {
+  for (std::size_t i = 0; i < trial.size(); ++i) trial[i].goal = path(static_cast<double>(i) * kDt_s);
+  return trial;
 }
 
 }  // namespace
@@ -123,7 +124,7 @@ simulation::Contact PlaneAt(const Vector3& p_W, const Vector3& n_W, double stiff
   return plane;
 }
 
-std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmScene& scene) {
+std::vector<ArmTrialTick> RunLoopTrial(const ArmTrialParams& params, const ArmScene& scene) {
   const kinematics::LbrArm arm(params.arm);
   control::ServoParams servo = params.loop;
   servo.joints.limits = params.arm.limits;
@@ -135,55 +136,56 @@ std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmSce
   control::ArmCommand command;
   Pose X_WT_cmd = arm.FlangePose(params.q_start) * params.X_FT;
   std::uint64_t frame = 0;
-  return Ride(params, scene,
-              [&](int i, const JointVector& q_meas, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
-                const rt::Nanoseconds now = kHandOver + i * rt::kMillisecond;
-                control::ArmState state;
-                state.stamp = now;
-                state.session =
-                    i < 0 ? control::SessionState::kCommandingWait : control::SessionState::kCommandingActive;
-                state.period_s = kDt_s;
-                state.has_ipo = true;
-                Eigen::Map<JointVector>(state.q_meas.data()) = q_meas;
-                Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
-                const simulation::ContactModel model =
-                    scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
-                // reading of a sensor at the flange, in the flange's frame, without the tool's weight
-                const Pose X_WF = arm.FlangePose(q_meas);
-                Wrench F_S = hil::SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
-                if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
-                const control::CellReadings readings{
-                    .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
-                const control::TickRecord record = loop.Tick({.state = state,
-                                                              .received = control::ReceiveResult::kOk,
-                                                              .readings = readings,
-                                                              .model = model,
-                                                              .now = now},
-                                                             command);
-                tick.fault = record.faults != 0;
-                tick.f_coupling_N = Vector3(record.F_coupling_T_W.f);
-                tick.wrench_scale = record.wrench_scale;
-                tick.vibration_index = record.vibration_index;
-                tick.vibration_reference_N = record.vibration_reference_N;
-                tick.damping_factor = record.damping_factor;
-                const JointVector q = Eigen::Map<const JointVector>(command.q.data());
-                X_WT_cmd = arm.FlangePose(q) * params.X_FT;
-                return q;
-              });
+  return RunTrial(
+      params, scene,
+      [&](int i, const JointVector& q_meas, const Wrench& F_T_W, ArmTrialTick& tick) -> JointVector {
+        const rt::Nanoseconds now = kHandOver + i * rt::kMillisecond;
+        control::ArmState state;
+        state.stamp = now;
+        state.session =
+            i < 0 ? control::SessionState::kCommandingWait : control::SessionState::kCommandingActive;
+        state.period_s = kDt_s;
+        state.has_ipo = true;
+        Eigen::Map<JointVector>(state.q_meas.data()) = q_meas;
+        Eigen::Map<JointVector>(state.q_ipo.data()) = q_meas;
+        const simulation::ContactModel model =
+            scene.bone ? scene.bone(i, now, X_WT_cmd) : FreshModel(++frame, now);
+        // reading of a sensor at the flange, in the flange's frame, without the tool's weight
+        const Pose X_WF = arm.FlangePose(q_meas);
+        Wrench F_S = hil::SensorLoad({}, X_WF * params.X_FT, X_WF, F_T_W);
+        if (scene.sensor) F_S = scene.sensor(i, X_WF, F_S);
+        const control::CellReadings readings{
+            .force = {.stamp = now, .F_S = F_S}, .spindle = {}, .interlock = {}};
+        const control::TickRecord record = loop.Tick({.state = state,
+                                                      .received = control::ReceiveResult::kOk,
+                                                      .readings = readings,
+                                                      .model = model,
+                                                      .now = now},
+                                                     command);
+        tick.fault = record.faults != 0;
+        tick.f_coupling_N = Vector3(record.F_coupling_T_W.f);
+        tick.wrench_scale = record.wrench_scale;
+        tick.vibration_index = record.vibration_index;
+        tick.vibration_reference_N = record.vibration_reference_N;
+        tick.damping_factor = record.damping_factor;
+        const JointVector q = Eigen::Map<const JointVector>(command.q.data());
+        X_WT_cmd = arm.FlangePose(q) * params.X_FT;
+        return q;
+      });
 }
 
-std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path) {
-  return WithGoals(RideServoLoop(params, SceneOf(params.hand, path)), path);
+std::vector<ArmTrialTick> RunLoopTrial(const ArmTrialParams& params, const HandPath& path) {
+  return WithGoals(RunLoopTrial(params, SceneOf(params.hand, path)), path);
 }
 
-std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
-                                    const StepMethod& method) {
+std::vector<ArmTrialTick> RunMethodTrial(const ArmTrialParams& params, const HandPath& path,
+                                         const StepMethod& method) {
   const kinematics::LbrArm arm(params.arm);
   // the parameters that the servo loop has by default, for the law and the speed limits
   const control::ServoParams defaults;
   JointVector q = params.q_start;
   Twist V;
-  const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmRideTick& tick) -> JointVector {
+  const auto step = [&](int, const JointVector&, const Wrench& F_T_W, ArmTrialTick& tick) -> JointVector {
     // the virtual tool is reset to the pose of the commanded joints, as the servo loop does
     Twist V_next;
     tick.fault = !control::NextTwist(
@@ -196,7 +198,7 @@ std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath&
     if (!tick.fault) q += q_step;
     return q;
   };
-  return WithGoals(Ride(params, SceneOf(params.hand, path), step), path);
+  return WithGoals(RunTrial(params, SceneOf(params.hand, path), step), path);
 }
 
 double JointSpeedShare(const kinematics::LbrParams& arm, const JointVector& qd) {
@@ -206,10 +208,10 @@ double JointSpeedShare(const kinematics::LbrParams& arm, const JointVector& qd) 
   return share;
 }
 
-double LargestForceStep(const std::vector<ArmRideTick>& ride) {
+double LargestForceStep(const std::vector<ArmTrialTick>& trial) {
   double largest = 0.0;
-  for (std::size_t i = 1; i < ride.size(); ++i)
-    largest = std::max(largest, (ride[i].f_hand_N - ride[i - 1].f_hand_N).norm());
+  for (std::size_t i = 1; i < trial.size(); ++i)
+    largest = std::max(largest, (trial[i].f_hand_N - trial[i - 1].f_hand_N).norm());
   return largest;
 }
 

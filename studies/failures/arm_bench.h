@@ -30,7 +30,7 @@ using StepMethod = std::function<kinematics::JointVector(
     const kinematics::Jacobian& J_tool, const kinematics::JointVector& q, const Twist& V_BT, double dt_s)>;
 
 /// Arm, loop, hand and duration of a simulated run.
-struct ArmRideParams {
+struct ArmTrialParams {
   kinematics::LbrParams arm;
   hil::ServoArmParams servo;
   control::ServoParams loop{};  ///< the bench sets limits and workspace; the spindle does not turn
@@ -56,7 +56,7 @@ struct ArmScene {
 };
 
 /// The state of one millisecond.
-struct ArmRideTick {
+struct ArmTrialTick {
   kinematics::JointVector q, qd;  ///< commanded [rad], [rad/s]
   Pose X_WT{Pose::Identity()};    ///< pose of the tool at the commanded joints
   HandGoal goal;
@@ -92,18 +92,18 @@ struct ArmRideTick {
 [[nodiscard]] simulation::Contact PlaneAt(const Vector3& p_W, const Vector3& n_W, double stiffness_N_per_m);
 
 /// Simulates the arm with the shipped servo loop.
-[[nodiscard]] std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const HandPath& path);
+[[nodiscard]] std::vector<ArmTrialTick> RunLoopTrial(const ArmTrialParams& params, const HandPath& path);
 /// Simulates the arm with the shipped servo loop in a given scene; the ticks' `goal` is empty.
-[[nodiscard]] std::vector<ArmRideTick> RideServoLoop(const ArmRideParams& params, const ArmScene& scene);
+[[nodiscard]] std::vector<ArmTrialTick> RunLoopTrial(const ArmTrialParams& params, const ArmScene& scene);
 
 /// Simulates the same hand, arm and law, with the joint steps of another method.
-[[nodiscard]] std::vector<ArmRideTick> RideMethod(const ArmRideParams& params, const HandPath& path,
-                                                  const StepMethod& method);
+[[nodiscard]] std::vector<ArmTrialTick> RunMethodTrial(const ArmTrialParams& params, const HandPath& path,
+                                                       const StepMethod& method);
 
 /// Largest joint speed of a tick as a share of that joint's limit.
 [[nodiscard]] double JointSpeedShare(const kinematics::LbrParams& arm, const kinematics::JointVector& qd);
 
 /// Largest change of the hand's force from one millisecond to the next [N].
-[[nodiscard]] double LargestForceStep(const std::vector<ArmRideTick>& ride);
+[[nodiscard]] double LargestForceStep(const std::vector<ArmTrialTick>& trial);
 
 }  // namespace osteon::studies

@@ -60,7 +60,7 @@ struct ModelDatagram {
 
 // Computes the contact of the tool's ball in the cup, a sphere about W's origin: one contact, whose normal
 // points to the centre.
-ModelDatagram Frame(const PacketRideParams& params, const PoseDatagram& pose, rt::Nanoseconds now,
+ModelDatagram Frame(const PacketTrialParams& params, const PoseDatagram& pose, rt::Nanoseconds now,
                     std::uint64_t frame) {
   const Vector3 p = pose.p_W_m;
   const double out_m = p.norm();
@@ -99,7 +99,7 @@ double Swing(const std::vector<Vector3>& p_W_m, double from_s, double to_s) {
 // The controller, with the newest messages about wall and hand, and the shipped law.
 class Controller {
  public:
-  explicit Controller(const PacketRideParams& params) : params_(params) {
+  explicit Controller(const PacketTrialParams& params) : params_(params) {
     law_.mass_kg.setConstant(params.mass_kg);
     law_.damping_Ns_per_m.setConstant(params.damping_Ns_per_m);
     coupling_.max_stiffness_N_per_m = params.wall_N_per_m;
@@ -108,7 +108,7 @@ class Controller {
   }
 
   // Runs one tick with the messages received over the wires.
-  void Tick(rt::Nanoseconds now, hil::ImpairedWire& wall, hil::ImpairedWire& hand, PacketRide& ride) {
+  void Tick(rt::Nanoseconds now, hil::ImpairedWire& wall, hil::ImpairedWire& hand, PacketTrial& trial) {
     const bool planes = params_.method == WallMethod::kPlanes;
     const Keep keep = planes ? Keep::kNewest : Keep::kLast;
     const bool hand_came = ReceiveDue(hand, now, keep, hand_);
@@ -126,16 +126,16 @@ class Controller {
       const double hand_age_s = safety::AgeSeconds(now, hand_.stamp);
       f_hand *= fade * safety::AgeFade(hand_age_s, watchdog_.sensor_full_s, watchdog_.sensor_stop_s);
       F.f = out.F_T_W.f;
-      RecordForce(now, model_.model.pose_stamp, F.f.norm(), ride);
+      RecordForce(now, model_.model.pose_stamp, F.f.norm(), trial);
     } else {
       const bool wall_came = ReceiveDue(wall, now, keep, wall_);
       const bool zeroed = params_.method == WallMethod::kZeroed;
       if (zeroed && !hand_came) f_hand.setZero();
       if (!zeroed || wall_came) F.f = wall_.f_W;
-      RecordForce(now, wall_.pose_stamp, F.f.norm(), ride);
+      RecordForce(now, wall_.pose_stamp, F.f.norm(), trial);
     }
     if (hand_.pose_stamp >= 0)
-      ride.hand_age_s = std::max(ride.hand_age_s, rt::ToSeconds(now - hand_.pose_stamp));
+      trial.hand_age_s = std::max(trial.hand_age_s, rt::ToSeconds(now - hand_.pose_stamp));
     F.f += f_hand;
     if (!control::NextTwist(law_, {.X_WT = state_.X_WT, .V_WT = state_.V_WT, .F_T_W = F, .dt_s = kDt_s},
                             state_.V_WT))
@@ -148,12 +148,13 @@ class Controller {
 
  private:
   // Updates the run's largest age of the wall's answer, and the largest force of the wall.
-  static void RecordForce(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N, PacketRide& ride) {
-    if (pose_stamp >= 0) ride.wall_age_s = std::max(ride.wall_age_s, rt::ToSeconds(now - pose_stamp));
-    ride.max_wall_N = std::max(ride.max_wall_N, force_N);
+  static void RecordForce(rt::Nanoseconds now, rt::Nanoseconds pose_stamp, double force_N,
+                          PacketTrial& trial) {
+    if (pose_stamp >= 0) trial.wall_age_s = std::max(trial.wall_age_s, rt::ToSeconds(now - pose_stamp));
+    trial.max_wall_N = std::max(trial.max_wall_N, force_N);
   }
 
-  PacketRideParams params_;
+  PacketTrialParams params_;
   control::AdmittanceParams law_;
   control::CouplingParams coupling_;
   control::CouplingState coupling_state_;
@@ -165,7 +166,7 @@ class Controller {
 
 }  // namespace
 
-PacketRide RidePackets(const PacketRideParams& params) {
+PacketTrial RunPacketTrial(const PacketTrialParams& params) {
   const auto faults = [&params](std::uint64_t seed) {
     return hil::InjectionParams{.injections = {{.to_s = params.step_s, .faults = params.before},
                                                {.from_s = params.step_s, .faults = params.after}},
@@ -178,13 +179,13 @@ PacketRide RidePackets(const PacketRideParams& params) {
   hil::ImpairedWire force(of_arm, hil::Wire::kArm, hil::Direction::kToController);
   for (hil::ImpairedWire* wire : {&pose, &wall, &command, &force}) wire->StartSchedule(0);
 
-  PacketRide ride;
+  PacketTrial trial;
   Controller controller(params);
   const Vector3 p_held = controller.p_W_m();  // rest position of the hand's spring
   PoseDatagram seen, commanded;
   std::uint64_t frame = 0;
   const auto ticks = std::llround(params.seconds / kDt_s);
-  ride.p_W_m.reserve(static_cast<std::size_t>(ticks));
+  trial.p_W_m.reserve(static_cast<std::size_t>(ticks));
   for (std::int64_t i = 0; i < ticks; ++i) {
     const rt::Nanoseconds now = i * rt::kMillisecond;
     const double t_s = rt::ToSeconds(now);
@@ -213,21 +214,21 @@ PacketRide RidePackets(const PacketRideParams& params) {
       Send(force, now, ForceDatagram{.stamp = now, .pose_stamp = commanded.stamp, .f_W = f});
     }
 
-    controller.Tick(now, wall, force, ride);
+    controller.Tick(now, wall, force, trial);
     const PoseDatagram next{.stamp = now, .p_W_m = controller.p_W_m()};
     Send(pose, now, next);
     Send(command, now, next);
-    ride.p_W_m.push_back(controller.p_W_m());
+    trial.p_W_m.push_back(controller.p_W_m());
   }
-  ride.tap_m = Swing(ride.p_W_m, params.step_s - 1.0, params.step_s - 1.0 + kWindow_s);
-  ride.end_m = Swing(ride.p_W_m, params.seconds - kWindow_s, params.seconds);
-  return ride;
+  trial.tap_m = Swing(trial.p_W_m, params.step_s - 1.0, params.step_s - 1.0 + kWindow_s);
+  trial.end_m = Swing(trial.p_W_m, params.seconds - kWindow_s, params.seconds);
+  return trial;
 }
 
-double AgeMargin(const PacketRideParams& params, const PacketRide& ride) {
+double AgeMargin(const PacketTrialParams& params, const PacketTrial& trial) {
   const double wall_N_per_m =
-      params.method == WallMethod::kPlanes ? ride.max_wall_N / params.clearance_m : params.wall_N_per_m;
-  return params.damping_Ns_per_m - ride.wall_age_s * wall_N_per_m - ride.hand_age_s * params.hand_N_per_m;
+      params.method == WallMethod::kPlanes ? trial.max_wall_N / params.clearance_m : params.wall_N_per_m;
+  return params.damping_Ns_per_m - trial.wall_age_s * wall_N_per_m - trial.hand_age_s * params.hand_N_per_m;
 }
 
 }  // namespace osteon::studies

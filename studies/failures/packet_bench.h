@@ -25,7 +25,7 @@ enum class WallMethod : std::uint8_t {
 /// virtual time; simulation, controller and arm each work at 1 kHz. The arm is exactly at the newest command:
 /// a lag of its own would add to the age of the hand's force. Hand and wall are springs, and only the law's
 /// drag dissipates energy.
-struct PacketRideParams {
+struct PacketTrialParams {
   WallMethod method{WallMethod::kPlanes};
   hil::WireFaults before{};  ///< faults of all four directions, until the step
   hil::WireFaults after{};   ///< from the step on
@@ -39,7 +39,7 @@ struct PacketRideParams {
 
 /// Result of a run. The hand taps the tool with 2 N, down and sideways, for 20 ms: once a second before the
 /// step, and once at the step.
-struct PacketRide {
+struct PacketTrial {
   std::vector<Vector3> p_W_m;  ///< position of the tool in each tick
   double tap_m{0.0};           ///< swing in the half second after the first tap
   double end_m{0.0};           ///< swing in the last half second
@@ -51,13 +51,13 @@ struct PacketRide {
   [[nodiscard]] double Growth() const { return end_m / tap_m; }
 };
 /// Simulates the run. Deterministic for a seed.
-[[nodiscard]] PacketRide RidePackets(const PacketRideParams& params);
+[[nodiscard]] PacketTrial RunPacketTrial(const PacketTrialParams& params);
 
 /// D - sum a_max K over the two wires, with the law's drag D and the largest age a_max of the run [N s/m]. If
 /// it is above zero the motion cannot grow, however the ages vary below their maximum. K is the stiffness
 /// through which a force's age acts. For the hand it is the hand's stiffness. For the wall it is the whole
 /// stiffness if the wall's force comes over the wire; if the tick evaluates planes, it is the force divided
 /// by the clearance, since an old plane is only turned. Source: control.md of the design, "Any age".
-[[nodiscard]] double AgeMargin(const PacketRideParams& params, const PacketRide& ride);
+[[nodiscard]] double AgeMargin(const PacketTrialParams& params, const PacketTrial& trial);
 
 }  // namespace osteon::studies

@@ -60,19 +60,19 @@ tl::expected<EpisodeResult, std::string> RunEpisode(const SoakOptions& options, 
   const auto run = RunScenario(scenario, {.set = episode.set, .stop = stop, .at_rest_s = kAtRest_s});
   if (!run) return tl::make_unexpected(run.error());
   const config::CellConfig cell = config::LoadCell(scenario.cell);
-  const auto books = ReadBooks(run->recording, cell.servo.admittance, cell.servo.period_s);
-  if (!books) return tl::make_unexpected(books.error());
+  const auto figures = ReadEpisodeFigures(run->recording, cell.servo.admittance, cell.servo.period_s);
+  if (!figures) return tl::make_unexpected(figures.error());
   EpisodeResult result{.episode = episode,
                        .ended = run->trace.ended,
                        .faults = FaultsOf(run->trace),
                        .hash = run->trace.hash,
-                       .books = *books,
+                       .figures = *figures,
                        .carved_m3 = 1e-9 * run->figures.removed_mm3,
                        .cutting_debt_J = run->figures.cutting_debt_J,
                        .seconds_simulated = run->seconds_simulated,
                        .seconds_wall = run->seconds_wall};
-  if (books->ticks != run->trace.ticks)
-    result.wrong.push_back(fmt::format("the recording has {} ticks of {}", books->ticks, run->trace.ticks));
+  if (figures->ticks != run->trace.ticks)
+    result.wrong.push_back(fmt::format("the recording has {} ticks of {}", figures->ticks, run->trace.ticks));
   return result;
 }
 
@@ -86,7 +86,7 @@ nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
                               {"seconds_simulated", r.seconds_simulated},
                               {"seconds_wall", r.seconds_wall},
                               {"memory_MB", r.memory_MB}};
-  AddBooks(json, r.books, r.cutting_debt_J);
+  AddFigures(json, r.figures, r.cutting_debt_J);
   json["wrong"] = r.wrong;
   return json;
 }
@@ -95,22 +95,22 @@ nlohmann::ordered_json EpisodeJson(const EpisodeResult& r) {
 void PrintEpisode(const EpisodeResult& r, double simulated_s) {
   fmt::print("{:>6.2f} h {:>5}  {:<44} {:<12} {:>7.1f} MB  momentum {:>6.3f} %  energy {:>+6.2f} %  {}\n",
              simulated_s / 3600.0, r.episode.index, r.episode.text, r.ended, r.memory_MB,
-             100.0 * r.books.momentum_residual, 100.0 * r.energy_residual(),
+             100.0 * r.figures.momentum_residual, 100.0 * r.energy_residual(),
              r.wrong.empty() ? "" : fmt::format("WRONG: {}", fmt::join(r.wrong, "; ")));
   std::fflush(stdout);
 }
 
 }  // namespace
 
-bool EnergyCloses(const EpisodeBooks& books, double debt_J) {
-  return std::abs(books.edge_work_J - books.cutting_work_J + debt_J) <=
-         kMaxEnergyResidual * books.cutting_work_J + kMaxEnergyOpen_J;
+bool EnergyCloses(const EpisodeFigures& figures, double debt_J) {
+  return std::abs(figures.edge_work_J - figures.cutting_work_J + debt_J) <=
+         kMaxEnergyResidual * figures.cutting_work_J + kMaxEnergyOpen_J;
 }
 
-std::string EnergyText(const EpisodeBooks& books, double debt_J) {
+std::string EnergyText(const EpisodeFigures& figures, double debt_J) {
   return fmt::format(
       "energy: {:.1f} J of the edge for {:.1f} J of bone, of which {:.1f} J are still to be done",
-      books.edge_work_J, books.cutting_work_J, debt_J);
+      figures.edge_work_J, figures.cutting_work_J, debt_J);
 }
 
 std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t reference_hash) {
@@ -123,21 +123,21 @@ std::vector<std::string> JudgeEpisode(const EpisodeResult& r, std::uint64_t refe
     require(fault == injected, fmt::format("a fault that was not injected: {}", fault));
   require(injected.empty() || !r.faults.empty(), fmt::format("no fault, injected: {}", injected));
   require(r.ended == (EndsWithFault(r.episode.kind) ? "fault" : "completed"), "ended: " + r.ended);
-  require(r.books.complete && r.books.missing_ticks == 0,
-          fmt::format("the recording misses {} ticks{}", r.books.missing_ticks,
-                      r.books.complete ? "" : " and its end"));
-  RequireBooks(r.books, require);
+  require(r.figures.complete && r.figures.missing_ticks == 0,
+          fmt::format("the recording misses {} ticks{}", r.figures.missing_ticks,
+                      r.figures.complete ? "" : " and its end"));
+  RequireFigures(r.figures, require);
   // An arm that fell silent is no longer measured, so its error at rest is not known.
-  require(r.episode.kind == EpisodeKind::kArmSilent || r.books.rest_error_m <= kMaxRestError_m,
-          fmt::format("at rest {:.3f} mm from the command", 1e3 * r.books.rest_error_m));
-  require(EnergyCloses(r.books, r.cutting_debt_J), EnergyText(r.books, r.cutting_debt_J));
+  require(r.episode.kind == EpisodeKind::kArmSilent || r.figures.rest_error_m <= kMaxRestError_m,
+          fmt::format("at rest {:.3f} mm from the command", 1e3 * r.figures.rest_error_m));
+  require(EnergyCloses(r.figures, r.cutting_debt_J), EnergyText(r.figures, r.cutting_debt_J));
   // An arm that fell silent ends the run at once: the last frame was then carved but not recorded.
   const double unseen_m3 = r.episode.kind == EpisodeKind::kArmSilent ? kMaxUnseenFrame_m3 : 0.0;
   const double slack_m3 = kMaxVolumeResidual * r.carved_m3;
-  const double unrecorded_m3 = r.carved_m3 - r.books.removed_m3;
-  require(
-      unrecorded_m3 >= -slack_m3 && unrecorded_m3 <= slack_m3 + unseen_m3,
-      fmt::format("volume: {:.3f} mm³ carved, {:.3f} recorded", 1e9 * r.carved_m3, 1e9 * r.books.removed_m3));
+  const double unrecorded_m3 = r.carved_m3 - r.figures.removed_m3;
+  require(unrecorded_m3 >= -slack_m3 && unrecorded_m3 <= slack_m3 + unseen_m3,
+          fmt::format("volume: {:.3f} mm³ carved, {:.3f} recorded", 1e9 * r.carved_m3,
+                      1e9 * r.figures.removed_m3));
   if (r.episode.kind == EpisodeKind::kReference && reference_hash != 0)
     require(r.hash == reference_hash, "the reference episode drifted: other bits than the first one");
   return wrong;

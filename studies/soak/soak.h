@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "studies/soak/episode_books.h"
+#include "studies/soak/episode_figures.h"
 #include "studies/soak/soak_script.h"
 
 namespace osteon::studies {
@@ -28,7 +28,7 @@ struct EpisodeResult {
   std::string ended;                ///< how the run ended: "completed" or "fault"
   std::vector<std::string> faults;  ///< names, in the order in which they occurred
   std::uint64_t hash{0};            ///< hash over every bit of every tick and of the carved bone
-  EpisodeBooks books;
+  EpisodeFigures figures;
   double carved_m3{0.0};  ///< removed volume according to the engine's final state
   /// Cutting debt at the end: work for cleared bone that the edge has not yet done; negative: work done for
   /// bone that is not yet cleared.
@@ -37,8 +37,8 @@ struct EpisodeResult {
   double memory_MB{0.0};             ///< resident memory after the episode
   std::vector<std::string> wrong{};  ///< errors of the episode; empty: none
 
-  /// See EpisodeBooks::EnergyResidual.
-  [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }
+  /// See EpisodeFigures::EnergyResidual.
+  [[nodiscard]] double energy_residual() const { return figures.EnergyResidual(cutting_debt_J); }
 };
 
 /// Bounds that every episode must keep: the momentum residual as a share of the hand's impulse; the energy
@@ -56,10 +56,10 @@ inline constexpr double kMaxUnseenFrame_m3 = 20e-9;
 inline constexpr double kMaxMemoryGrowth_MB = 20.0;
 
 /// Whether the edge's work equals the energy of the cleared bone plus or minus the cutting debt.
-/// @param debt_J  see EpisodeBooks::EnergyResidual
-[[nodiscard]] bool EnergyCloses(const EpisodeBooks& books, double debt_J);
+/// @param debt_J  see EpisodeFigures::EnergyResidual
+[[nodiscard]] bool EnergyCloses(const EpisodeFigures& figures, double debt_J);
 /// The energies that EnergyCloses compares, as a sentence for a report.
-[[nodiscard]] std::string EnergyText(const EpisodeBooks& books, double debt_J);
+[[nodiscard]] std::string EnergyText(const EpisodeFigures& figures, double debt_J);
 
 /// Lists the errors of an episode. @param reference_hash  hash of the first reference episode; 0: this is the
 /// first

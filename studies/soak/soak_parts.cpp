@@ -11,27 +11,28 @@
 
 namespace osteon::studies {
 
-void RequireBooks(const EpisodeBooks& books, const Require& require) {
-  require(books.peak_rendered_N <= kMaxForce_N, fmt::format("{:.1f} N were rendered", books.peak_rendered_N));
-  require(books.momentum_residual <= kMaxMomentumResidual,
-          fmt::format("momentum: {:.2f} % do not close", 100.0 * books.momentum_residual));
-  require(!books.removed_falls, "the removed volume fell");
+void RequireFigures(const EpisodeFigures& figures, const Require& require) {
+  require(figures.peak_rendered_N <= kMaxForce_N,
+          fmt::format("{:.1f} N were rendered", figures.peak_rendered_N));
+  require(figures.momentum_residual <= kMaxMomentumResidual,
+          fmt::format("momentum: {:.2f} % do not close", 100.0 * figures.momentum_residual));
+  require(!figures.removed_falls, "the removed volume fell");
 }
 
-void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double debt_J) {
-  json.update(nlohmann::ordered_json{{"ticks", books.ticks},
-                                     {"frames", books.frames},
-                                     {"missing_ticks", books.missing_ticks},
-                                     {"complete", books.complete},
-                                     {"peak_rendered_N", books.peak_rendered_N},
-                                     {"max_model_age_s", books.max_model_age_s},
-                                     {"max_sensor_age_s", books.max_sensor_age_s},
-                                     {"max_tracking_m", books.max_tracking_m},
-                                     {"rest_error_m", books.rest_error_m},
-                                     {"momentum_residual", books.momentum_residual},
-                                     {"energy_residual", books.EnergyResidual(debt_J)},
+void AddFigures(nlohmann::ordered_json& json, const EpisodeFigures& figures, double debt_J) {
+  json.update(nlohmann::ordered_json{{"ticks", figures.ticks},
+                                     {"frames", figures.frames},
+                                     {"missing_ticks", figures.missing_ticks},
+                                     {"complete", figures.complete},
+                                     {"peak_rendered_N", figures.peak_rendered_N},
+                                     {"max_model_age_s", figures.max_model_age_s},
+                                     {"max_sensor_age_s", figures.max_sensor_age_s},
+                                     {"max_tracking_m", figures.max_tracking_m},
+                                     {"rest_error_m", figures.rest_error_m},
+                                     {"momentum_residual", figures.momentum_residual},
+                                     {"energy_residual", figures.EnergyResidual(debt_J)},
                                      {"cutting_debt_J", debt_J},
-                                     {"removed_mm3", 1e9 * books.removed_m3}});
+                                     {"removed_mm3", 1e9 * figures.removed_m3}});
 }
 
 double QuarterGrowth(const std::vector<double>& values, double share) {

@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "report/svg_plot.h"
-#include "studies/soak/episode_books.h"
+#include "studies/soak/episode_figures.h"
 #include "studies/soak/soak.h"
 
 // Functions that the soak in virtual time and the soak in wall time share.
@@ -19,10 +19,10 @@ namespace osteon::studies {
 using Require = std::function<void(bool holds, const std::string& what)>;
 
 /// Requires the bounds that hold for every episode's recording: rendered force, momentum, removed volume.
-void RequireBooks(const EpisodeBooks& books, const Require& require);
+void RequireFigures(const EpisodeFigures& figures, const Require& require);
 
-/// Appends the figures of a recording to an episode's JSON. @param debt_J  see EpisodeBooks::EnergyResidual
-void AddBooks(nlohmann::ordered_json& json, const EpisodeBooks& books, double debt_J);
+/// Appends the figures of a recording to an episode's JSON. @param debt_J  see EpisodeFigures::EnergyResidual
+void AddFigures(nlohmann::ordered_json& json, const EpisodeFigures& figures, double debt_J);
 
 /// Growth of a quantile from the second quarter of the values to the last quarter; 0 with fewer than 8
 /// values.

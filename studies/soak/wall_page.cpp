@@ -75,7 +75,7 @@ std::string WallSoakPage(std::span<const WallResult> results, const SoakOptions&
   report::ReportVerdict verdict;
   for (const WallResult& r : results) {
     wall_s += r.outcome.seconds_wall;
-    rendered_s += r.books.rendered_s;
+    rendered_s += r.figures.rendered_s;
     for (const std::string& wrong : r.wrong)
       verdict.reasons.push_back(fmt::format("episode {} ({}): {}", r.episode.index, r.episode.text, wrong));
   }
@@ -97,20 +97,20 @@ std::string WallSoakPage(std::span<const WallResult> results, const SoakOptions&
       UseChart(results, "Resident memory", "memory [MB]", [](const ProcessUse& u) { return u.memory_MB; }),
       UseChart(results, "Open files", "files", [](const ProcessUse& u) { return double(u.files); }),
       ChartOverTime(results, "Peak rendered force", "force [N]",
-                    [](const auto& r) { return r.books.peak_rendered_N; }),
+                    [](const auto& r) { return r.figures.peak_rendered_N; }),
       ChartOverTime(results, "Age of the contact model, most while rendering", "age [ms]",
-                    [](const auto& r) { return 1e3 * r.books.max_model_age_s; }),
+                    [](const auto& r) { return 1e3 * r.figures.max_model_age_s; }),
       ChartOverTime(results, "Age of the force sensor, most while rendering", "age [ms]",
-                    [](const auto& r) { return 1e3 * r.books.max_sensor_age_s; }),
+                    [](const auto& r) { return 1e3 * r.figures.max_sensor_age_s; }),
       ChartOverTime(results, "Longest time in which a CPU stood still", "time [ms]",
                     [](const auto& r) { return 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still); }),
       ChartOf("Commanded from measured apex at the end", "distance [µm]",
               {SeriesOf(results, "", ends_by_itself,
-                        [](const WallResult& r) { return 1e6 * r.books.rest_error_m; })}),
+                        [](const WallResult& r) { return 1e6 * r.figures.rest_error_m; })}),
       ChartOverTime(results, "Bone removed", "volume [mm³]",
-                    [](const auto& r) { return 1e9 * r.books.removed_m3; }),
+                    [](const auto& r) { return 1e9 * r.figures.removed_m3; }),
       ChartOverTime(results, "Momentum that does not close", "share [%]",
-                    [](const auto& r) { return 100.0 * r.books.momentum_residual; }),
+                    [](const auto& r) { return 100.0 * r.figures.momentum_residual; }),
       ChartOf("Energy of the cut that does not close", "share [%]",
               {SeriesOf(results, "", ends_by_itself,
                         [](const WallResult& r) { return 100.0 * std::abs(r.energy_residual()); })})};

@@ -68,25 +68,25 @@ void JudgeEnd(const WallResult& r, const Require& require) {
 
 // Checks that the recording has no gap, keeps the bounds, and agrees with the controller's summary.
 void JudgeRecording(const WallResult& r, const Require& require) {
-  const EpisodeBooks& books = r.books;
+  const EpisodeFigures& figures = r.figures;
   const bool killed = r.episode.event == WallEvent::kControllerKill;
-  require(killed || books.complete, "the recording has no end");
-  require(books.missing_ticks == 0, fmt::format("the recording misses {} ticks", books.missing_ticks));
-  require(killed || (books.ticks == r.ticks && r.dropped_records == 0),
-          fmt::format("the recording has {} ticks of {}, {} records were dropped", books.ticks, r.ticks,
+  require(killed || figures.complete, "the recording has no end");
+  require(figures.missing_ticks == 0, fmt::format("the recording misses {} ticks", figures.missing_ticks));
+  require(killed || (figures.ticks == r.ticks && r.dropped_records == 0),
+          fmt::format("the recording has {} ticks of {}, {} records were dropped", figures.ticks, r.ticks,
                       r.dropped_records));
-  RequireBooks(books, require);
-  require(books.max_model_age_s <= kMaxModelAge_s,
-          fmt::format("a contact model of {:.0f} ms was used", 1e3 * books.max_model_age_s));
-  require(books.max_sensor_age_s <= kMaxSensorAge_s,
-          fmt::format("a force of {:.0f} ms was used", 1e3 * books.max_sensor_age_s));
+  RequireFigures(figures, require);
+  require(figures.max_model_age_s <= kMaxModelAge_s,
+          fmt::format("a contact model of {:.0f} ms was used", 1e3 * figures.max_model_age_s));
+  require(figures.max_sensor_age_s <= kMaxSensorAge_s,
+          fmt::format("a force of {:.0f} ms was used", 1e3 * figures.max_sensor_age_s));
   if (IsKill(r.episode.event)) return;
-  require(EnergyCloses(books, r.cutting_debt_J), EnergyText(books, r.cutting_debt_J));
-  require(books.rest_error_m <= kMaxRestError_m,
-          fmt::format("at rest {:.3f} mm from the command", 1e3 * books.rest_error_m));
-  require(std::abs(1e9 * books.removed_m3 - r.removed_mm3) <= kMaxVolumeResidual * r.removed_mm3 + 1e-3,
+  require(EnergyCloses(figures, r.cutting_debt_J), EnergyText(figures, r.cutting_debt_J));
+  require(figures.rest_error_m <= kMaxRestError_m,
+          fmt::format("at rest {:.3f} mm from the command", 1e3 * figures.rest_error_m));
+  require(std::abs(1e9 * figures.removed_m3 - r.removed_mm3) <= kMaxVolumeResidual * r.removed_mm3 + 1e-3,
           fmt::format("volume: {:.3f} mm³ in the summary, {:.3f} recorded", r.removed_mm3,
-                      1e9 * books.removed_m3));
+                      1e9 * figures.removed_m3));
 }
 
 // Fills in the result from the controller's summary file. A controller that was killed has left no such file.
@@ -131,10 +131,11 @@ WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
   if (!result.outcome.error.empty()) return result;
   ReadSummary(result);
   const config::CellConfig config = config::LoadCell(cell.cell_file());
-  if (auto books = ReadBooks(result.outcome.recording, config.servo.admittance, config.servo.period_s))
-    result.books = *books;
+  if (auto figures =
+          ReadEpisodeFigures(result.outcome.recording, config.servo.admittance, config.servo.period_s))
+    result.figures = *figures;
   else
-    result.wrong.push_back(books.error());
+    result.wrong.push_back(figures.error());
   return result;
 }
 
@@ -142,7 +143,7 @@ WallResult RunEpisode(WallCell& cell, const WallEpisode& episode) {
 void PrintWallEpisode(const WallResult& r, double hours) {
   const PartUses& use = r.outcome.use;
   fmt::print("{:>6.2f} h {:>4}  {:<50} {:>6.1f} s  {:>5.1f} N  {:>5.0f} {:>4.0f} {:>4.0f} {:>4.0f} MB  {}\n",
-             hours, r.episode.index, r.episode.text, r.outcome.seconds_wall, r.books.peak_rendered_N,
+             hours, r.episode.index, r.episode.text, r.outcome.seconds_wall, r.figures.peak_rendered_N,
              use[0].memory_MB, use[1].memory_MB, use[2].memory_MB, use[3].memory_MB,
              r.wrong.empty() ? "" : fmt::format("WRONG: {}", fmt::join(r.wrong, "; ")));
   std::fflush(stdout);
@@ -168,9 +169,9 @@ nlohmann::ordered_json ResultJson(const WallResult& r) {
       {"faults", r.faults},
       {"guard_reason", r.outcome.guard_reason},
       {"plc_blocks", r.outcome.cell ? r.outcome.cell->plc_blocks : ""},
-      {"seconds_rendered", r.books.rendered_s},
+      {"seconds_rendered", r.figures.rendered_s},
       {"seconds_wall", r.outcome.seconds_wall}};
-  AddBooks(json, r.books, r.cutting_debt_J);
+  AddFigures(json, r.figures, r.cutting_debt_J);
   json["reamed_depth_mm"] = r.depth_mm;
   json["page_messages"] = r.outcome.messages;
   json["cpu_stood_still_ms"] = 1e3 * rt::ToSeconds(r.outcome.cpu_stood_still);

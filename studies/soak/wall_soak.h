@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "studies/soak/episode_books.h"
+#include "studies/soak/episode_figures.h"
 #include "studies/soak/soak.h"
 #include "studies/soak/wall_cell.h"
 #include "studies/soak/wall_script.h"
@@ -25,11 +25,11 @@ struct WallResult {
   double depth_mm{0.0};        ///< reamed depth, from the summary
   double cutting_debt_J{0.0};  ///< cutting debt at the end, from the summary
   std::size_t passes{0};       ///< passes of a procedure, from the summary
-  EpisodeBooks books{};
+  EpisodeFigures figures{};
   std::vector<std::string> wrong{};  ///< errors of the episode; empty: none
 
-  /// See EpisodeBooks::EnergyResidual; valid for an episode that ended by itself.
-  [[nodiscard]] double energy_residual() const { return books.EnergyResidual(cutting_debt_J); }
+  /// See EpisodeFigures::EnergyResidual; valid for an episode that ended by itself.
+  [[nodiscard]] double energy_residual() const { return figures.EnergyResidual(cutting_debt_J); }
 };
 
 /// Bounds of a soak in wall time, in addition to those of an episode in virtual time (soak.h): accepted

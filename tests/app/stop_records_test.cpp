@@ -59,7 +59,8 @@ tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
     const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
     const std::vector<io::RecordedEvent>& events = {}) {
   const config::CellConfig cell = Cell();
-  session::StopPages pages({.folder = folder, .stem = "ride", .cell = cell, .recording = "ride.mcap"});
+  session::StopPages pages(
+      {.folder = folder, .stem = "finished", .cell = cell, .recording = "finished.mcap"});
   io::SessionInfo session;
   session.force_limit_N = 150.0;
   for (const TickRecord& tick : ticks) pages.Add(session, tick);
@@ -198,7 +199,7 @@ TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
         "shown.",
         "<h2>What led to the stop</h2>", "Age of the PLC", "State of the arm",
         "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N",
-        "<pre>osteon view ride.mcap --at 7.5</pre>",
+        "<pre>osteon view finished.mcap --at 7.5</pre>",
         "<a href=\"./ride_stop_1_ticks.csv\">ride_stop_1_ticks.csv</a>", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(pages->front().heading, "What led to the stop");

@@ -32,7 +32,8 @@ constexpr std::array kStudies = std::to_array<StudyCommand>({
     {"regress", "runs scenarios in virtual time and compares them with their golden traces"},
     {"validate", "sets simulated beside published measurements of reaming and drilling"},
     {"soak",
-     "runs the simulated cell for hours, in virtual time or as processes, with faults, and checks its books"},
+     "runs the simulated cell for hours, in virtual time or as processes, with faults, and checks its "
+     "balances"},
     {"diff", "compares two runs by their recordings: figures, faults, limits, configuration"},
     {"merge", "puts the parts of a study together that --shard has computed"},
     {"manual", "prints the manual page of all subcommands, or writes it to files"},

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "studies/failures/compliance/law_ride.h"
+#include "studies/failures/compliance/law_trial.h"
 #include "studies/failures/scenario_bench.h"
 
 namespace osteon::studies {
@@ -58,7 +58,7 @@ control::ServoParams Loop(control::Law law, double stiffness_N_per_m, const Pose
 // @param rides_on_bone  the depth limit moves with the bone; false: it is fixed in the world
 HoleResult Ream(const FailureSetting& setting, const simulation::Bone& bone, control::Law law,
                 const std::optional<control::BoneMountParams>& mount, bool rides_on_bone) {
-  const Pose X_WG = BoneOfLawRide() * Eigen::Translation3d(0.0, 0.0, -kAbove_m);
+  const Pose X_WG = BoneOfLawTrial() * Eigen::Translation3d(0.0, 0.0, -kAbove_m);
   simulation::CuttingParams cutting;
   if (law == control::Law::kImpedance) cutting.stiffness_N_per_m = kImpedance_N_per_m;
   const auto engine = setting.make_engine(bone, MakeBallTool(5e-3), X_WG, cutting);
@@ -82,7 +82,7 @@ HoleResult Ream(const FailureSetting& setting, const simulation::Bone& bone, con
                              return model;
                            },
                        .seen =
-                           [&](int tick, const LawRideTick&) {
+                           [&](int tick, const LawTrialTick&) {
                              if (hole_result.stopped) ++ticks_since_stop;
                              if (tick % 10 == 0) {
                                hole_result.series.x.push_back(kTick_s * tick);
@@ -92,8 +92,8 @@ HoleResult Ream(const FailureSetting& setting, const simulation::Bone& bone, con
                            }};
   const double max_s = kTick_s * kMaxTicks;
   hole_result.fault =
-      RideLaw({.loop = Loop(law, cutting.stiffness_N_per_m, X_WG, mount, rides_on_bone), .seconds = max_s},
-              scene)
+      RunLawTrial(
+          {.loop = Loop(law, cutting.stiffness_N_per_m, X_WG, mount, rides_on_bone), .seconds = max_s}, scene)
           .Any();
   return hole_result;
 }
@@ -145,7 +145,7 @@ FailureResult RunDepthOnMount(const FailureSetting& setting) {
       "bone at rest: {:.3f} mm; on its mount the limit in the world stops at {:.3f} mm; both laws, elastic "
       "and with pads that creep{}{}",
       1e3 * rest_m, 1e3 * shallowest_m, all_stopped ? "" : "; a spindle was never stopped",
-      fault ? "; a fault ended a ride" : "");
+      fault ? "; a fault ended a trial" : "");
   return result;
 }
 

@@ -11,7 +11,7 @@
 #include "control/coupling/virtual_coupling.h"
 #include "simulation/tools/tool_compliance.h"
 #include "simulation/tools/tool_kinds.h"
-#include "studies/failures/compliance/law_ride.h"
+#include "studies/failures/compliance/law_trial.h"
 #include "studies/failures/contact_bench.h"
 #include "studies/failures/scenario_bench.h"
 
@@ -75,7 +75,7 @@ struct HoleResult {
 Pose BoneUnderDrill() {
   const Vector3 turn(0.0, kTilt_rad, 0.0);
   const Vector3 feed_G = Down(Vector3::Zero(), turn).linear() * Vector3::UnitZ();
-  return StartOfLawRide() * Down(-kAbove_m * feed_G, turn).inverse();
+  return StartOfLawTrial() * Down(-kAbove_m * feed_G, turn).inverse();
 }
 
 // Finds the head's pose at which the drill's bending is in equilibrium with the force of the frame's planes.
@@ -102,7 +102,7 @@ Pose SolvedHead(const Scene& scene, const control::CouplingParams& coupling,
 HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const std::vector<Pose>& handle,
                       Bending bending, int ticks_in_ms) {
   const double dt_s = kTick_s / ticks_in_ms;
-  const Pose X_start = StartOfLawRide();
+  const Pose X_start = StartOfLawTrial();
   const Vector3 feed_W = X_start.linear().col(2);
   const auto engine = setting.make_engine(scene.bone, scene.tool, BoneUnderDrill(), scene.cutting);
   control::ComplianceParams parts;
@@ -144,9 +144,9 @@ HoleResult DrillAlong(const FailureSetting& setting, const Scene& scene, const s
 // under the admittance law by the locked axes of the virtual tool, under the impedance law by a jig that
 // holds the tool across its axis.
 HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control::Law law, bool bends) {
-  const Pose X_start = StartOfLawRide();
+  const Pose X_start = StartOfLawTrial();
   const auto engine = setting.make_engine(scene.bone, scene.tool, BoneUnderDrill(), scene.cutting);
-  LawRideParams params{.loop = LoopOfLaw(law, scene.cutting.stiffness_N_per_m), .seconds = kSeen_s};
+  LawTrialParams params{.loop = LoopOfLaw(law, scene.cutting.stiffness_N_per_m), .seconds = kSeen_s};
   if (bends) params.loop.compliance.tool = scene.link;
   params.loop.spindle_rad_per_s = kSpindle_rad_per_s;
   params.loop.coupling.damping_Ns_per_m = 0.0;  // as in DrillAlong
@@ -154,7 +154,7 @@ HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control
   params.loop.admittance.locked = {true, true, false, true, true, true};
   const Vector3 feed_W = X_start.linear().col(2);
   HoleResult hole_result;
-  const LawScene ride{
+  const LawScene trial{
       .hand =
           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
             constexpr double kJig_N_per_m = 100e3, kJig_Ns_per_m = 800.0;  // a bench's holder, assumed
@@ -176,7 +176,7 @@ HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control
           },
       // records how far aside the head is, and the tool's pose without its bend
       .seen =
-          [&](int tick, const LawRideTick& state) {
+          [&](int tick, const LawTrialTick& state) {
             const Vector3 from_start = state.X_ME.translation() - X_start.translation();
             hole_result.aside_m = (from_start - from_start.dot(feed_W) * feed_W).norm();
             hole_result.handle.push_back(state.X_WT_sim);
@@ -186,7 +186,7 @@ HoleResult DrillByLaw(const FailureSetting& setting, const Scene& scene, control
             }
             return true;
           }};
-  hole_result.fault = RideLaw(params, ride).Any();
+  hole_result.fault = RunLawTrial(params, trial).Any();
   return hole_result;
 }
 
@@ -230,7 +230,7 @@ FailureResult RunDrillWalk(const FailureSetting& setting) {
   result.note = fmt::format(
       "the bent drill begins its hole {:.2f} mm aside; where the bending is solved with each frame's planes, "
       "its error is {:.2f} mm; both laws through the servo loop{}",
-      truth_mm, solved_mm, fault ? "; a fault ended a ride" : "");
+      truth_mm, solved_mm, fault ? "; a fault ended a trial" : "");
   return result;
 }
 

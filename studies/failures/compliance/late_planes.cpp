@@ -11,14 +11,14 @@
 
 #include "control/compliance/bone_mount.h"
 #include "studies/failures/arm_bench.h"
-#include "studies/failures/compliance/law_ride.h"
+#include "studies/failures/compliance/law_trial.h"
 
 namespace osteon::studies {
 namespace {
 
 constexpr double kPeriod_s = 1e-3, kMount_hz = 15.0, kHeldPush_N = 60.0, kRise_s = 0.1;
 constexpr int kLateTicks = 20;  // delay of the baseline's planes [ticks]
-constexpr int kRideTicks = 2500, kJudgedTicks = 500;
+constexpr int kTrialTicks = 2500, kJudgedTicks = 500;
 
 // The result of one simulated run.
 struct Swing {
@@ -30,7 +30,7 @@ struct Swing {
 // An elastic mount of kMount_hz, whose centre is the place where the tool starts.
 control::BoneMountParams Mount() {
   control::BoneMountParams mount;
-  mount.p_WMo_m = StartOfLawRide().translation();
+  mount.p_WMo_m = StartOfLawTrial().translation();
   mount.stiffness_N_per_m.setConstant(mount.mass_kg * std::pow(2.0 * std::numbers::pi * kMount_hz, 2));
   mount.max_shift_m = 0.05;
   return mount;
@@ -41,9 +41,9 @@ control::BoneMountParams Mount() {
 // the mount's motion
 Swing Press(control::Law law, bool late) {
   const double wall_N_per_m = law == control::Law::kAdmittance ? 20e3 : 10e3;
-  const Vector3 feed_W = StartOfLawRide().linear().col(2), p_W = StartOfLawRide().translation();
+  const Vector3 feed_W = StartOfLawTrial().linear().col(2), p_W = StartOfLawTrial().translation();
   const control::BoneMountParams mount = Mount();
-  LawRideParams params{.loop = LoopOfLaw(law, wall_N_per_m), .seconds = kPeriod_s * kRideTicks};
+  LawTrialParams params{.loop = LoopOfLaw(law, wall_N_per_m), .seconds = kPeriod_s * kTrialTicks};
   params.loop.spindle_rad_per_s = 0.0;
   // the stability analysis does not count on this damping, since it is capped
   params.loop.coupling.damping_Ns_per_m = 0.0;
@@ -65,7 +65,7 @@ Swing Press(control::Law law, bool late) {
                              return FreshModel(++frame, command.stamp, {&plane, 1});
                            },
                        .seen =
-                           [&](int, const LawRideTick& tick) {
+                           [&](int, const LawTrialTick& tick) {
                              along_m.push_back(feed_W.dot(tick.X_WT.translation() - p_W));
                              control::StepMount(mount, {.f = tick.f_coupling_N, .t = Vector3::Zero()},
                                                 kPeriod_s, bone);
@@ -73,7 +73,7 @@ Swing Press(control::Law law, bool late) {
                              return tick.renders;
                            }};
   Swing swing;
-  swing.fault = RideLaw(params, scene).Any();
+  swing.fault = RunLawTrial(params, scene).Any();
   const auto last = along_m.end() - std::min<std::ptrdiff_t>(kJudgedTicks, std::ssize(along_m));
   const auto [low, high] = std::minmax_element(last, along_m.end());
   if (last != along_m.end()) swing.swing_m = *high - *low;
@@ -119,8 +119,8 @@ FailureResult RunLatePlanes(const FailureSetting& setting) {
       "whose swing grows{}; with the impedance law the arm's own damping leaves {:.2f} mm of it; ours with "
       "both "
       "laws{}",
-      kHeldPush_N, stopped ? " until a fault ends the ride" : "", impedance_mm,
-      fault ? "; a fault ended a ride" : "");
+      kHeldPush_N, stopped ? " until a fault ends the trial" : "", impedance_mm,
+      fault ? "; a fault ended a trial" : "");
   return result;
 }
 

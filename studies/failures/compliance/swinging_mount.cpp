@@ -14,7 +14,7 @@
 namespace osteon::studies {
 namespace {
 
-constexpr double kRidePeriod_s = 1e-3, kRide_s = 5.0, kJudgedFrom_s = 1.0;
+constexpr double kTrialPeriod_s = 1e-3, kTrial_s = 5.0, kJudgedFrom_s = 1.0;
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kWall_N_per_m = 20e3;  // stiffness of the bone's surface
 // Frequencies of the mounts with which each hand is tried.
@@ -22,24 +22,24 @@ constexpr std::array kMounts_hz{4.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0};
 
 }  // namespace
 
-SwingRide RideSwingingMount(const SwingRideParams& params) {
-  ArmRideParams ride;
-  ride.arm = ScenarioArm();
-  ride.X_FT = ScenarioTool();
-  ride.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
-  ride.hand = hil::OperatorWith(params.hand);
-  ride.loop.vibration = params.index;
-  ride.seconds = kRide_s;
-  const Pose X_start = kinematics::LbrArm(ride.arm).FlangePose(ride.q_start) * ride.X_FT;
+SwingTrial RunSwingTrial(const SwingTrialParams& params) {
+  ArmTrialParams trial;
+  trial.arm = ScenarioArm();
+  trial.X_FT = ScenarioTool();
+  trial.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  trial.hand = hil::OperatorWith(params.hand);
+  trial.loop.vibration = params.index;
+  trial.seconds = kTrial_s;
+  const Pose X_start = kinematics::LbrArm(trial.arm).FlangePose(trial.q_start) * trial.X_FT;
   const Vector3 down = X_start.linear().col(2);
   if (params.mount_hz) {
     control::BoneMountParams mount;
     mount.p_WMo_m = X_start.translation();
     mount.stiffness_N_per_m.setConstant(mount.mass_kg * std::pow(kTurn_rad * *params.mount_hz, 2));
     mount.max_shift_m = 0.05;
-    ride.loop.compliance.mount = mount;
+    trial.loop.compliance.mount = mount;
   }
-  hil::HandImpedance hand(ride.hand);
+  hil::HandImpedance hand(trial.hand);
   hil::SensorModel sensor({.noise_N = 0.1, .noise_Nm = 0.005, .seed = 42});
   const hil::Tremor tremor(params.tremor_N, 1);
   // the hand's goal is below the surface by the deflection of hand and wall under the push
@@ -47,10 +47,10 @@ SwingRide RideSwingingMount(const SwingRideParams& params) {
   const ArmScene scene{
       .hand =
           [&](int tick, const Pose& X_WT, const Twist& V_WT) {
-            const double t = tick * kRidePeriod_s, push_N = 40.0 - 60.0 * std::cos(kTurn_rad * 0.7 * t);
+            const double t = tick * kTrialPeriod_s, push_N = 40.0 - 60.0 * std::cos(kTurn_rad * 0.7 * t);
             Pose X_goal = X_start;
             X_goal.translation() += push_N * gives_m_per_N * down;
-            Wrench F = hand.Step(kRidePeriod_s, X_WT, V_WT, X_goal, {});
+            Wrench F = hand.Step(kTrialPeriod_s, X_WT, V_WT, X_goal, {});
             F.f += tremor.ForceAt(t);
             return F;
           },
@@ -60,18 +60,18 @@ SwingRide RideSwingingMount(const SwingRideParams& params) {
             return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
           },
       .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
-  SwingRide swing;
+  SwingTrial swing;
   double low_m = 1.0, high_m = -1.0;
   int count = 0;
-  for (const ArmRideTick& tick : RideServoLoop(ride, scene)) {
+  for (const ArmTrialTick& tick : RunLoopTrial(trial, scene)) {
     swing.fault |= tick.fault;
-    const double t = ++count * kRidePeriod_s;
+    const double t = ++count * kTrialPeriod_s;
     if (count % 10 == 0) {
       swing.drag.x.push_back(t);
       swing.drag.y.push_back(tick.damping_factor);
     }
     if (t < kJudgedFrom_s) continue;
-    swing.mean_drag += tick.damping_factor * kRidePeriod_s / (kRide_s - kJudgedFrom_s);
+    swing.mean_drag += tick.damping_factor * kTrialPeriod_s / (kTrial_s - kJudgedFrom_s);
     const double at_m = down.dot(tick.X_WT_meas.translation() - X_start.translation());
     low_m = std::min(low_m, at_m);
     high_m = std::max(high_m, at_m);
@@ -92,14 +92,14 @@ struct Swings {
 };
 
 // Compares the drag on every mount with that on fixed bone, for one hand and tremor.
-void Compare(SwingRideParams params, Swings& swings) {
+void Compare(SwingTrialParams params, Swings& swings) {
   params.mount_hz.reset();
-  const SwingRide rest = RideSwingingMount(params);
+  const SwingTrial rest = RunSwingTrial(params);
   swings.fault |= rest.fault;
   swings.max_at_rest = std::max(swings.max_at_rest, rest.mean_drag);
   for (const double hz : kMounts_hz) {
     params.mount_hz = hz;
-    const SwingRide swing = RideSwingingMount(params);
+    const SwingTrial swing = RunSwingTrial(params);
     swings.fault |= swing.fault;
     swings.swung &= swing.swing_m > rest.swing_m;
     if (swing.mean_drag <= swings.ratio * rest.mean_drag) continue;
@@ -110,9 +110,10 @@ void Compare(SwingRideParams params, Swings& swings) {
 }
 
 // Returns the drag over time, as a line of the picture. @param mount_hz  none: fixed bone
-FailureSeries DrawnDrag(const char* name, SwingRideParams params, std::optional<double> mount_hz, bool ours) {
+FailureSeries DrawnDrag(const char* name, SwingTrialParams params, std::optional<double> mount_hz,
+                        bool ours) {
   params.mount_hz = mount_hz;
-  FailureSeries series = RideSwingingMount(params).drag;
+  FailureSeries series = RunSwingTrial(params).drag;
   series.name = name;
   series.ours = ours;
   return series;
@@ -140,7 +141,7 @@ FailureResult RunSwingingMount(const FailureSetting& setting) {
       Compare({.hand = hand, .tremor_N = tremor_N, .index = forgets}, baseline);
     }
     if (hand.name == "stiff") {
-      const SwingRideParams params{.hand = hand, .tremor_N = 0.5}, plain{params.hand, 0.5, {}, forgets};
+      const SwingTrialParams params{.hand = hand, .tremor_N = 0.5}, plain{params.hand, 0.5, {}, forgets};
       result.plot = {.x_label = "time on a mount of 6 Hz [s]",
                      .y_label = "drag over the law's own",
                      .log_y = true,

@@ -10,7 +10,7 @@ namespace osteon::studies {
 
 /// A run of 5 s through the servo loop of an admittance cell on an arm of 15 Hz. A hand with a tremor presses
 /// with up to 100 N on bone of 12 kg and releases it, 0.7 times a second.
-struct SwingRideParams {
+struct SwingTrialParams {
   hil::GridHand hand;
   double tremor_N{1.0};              ///< amplitude along each axis (hil/operator/tremor.h)
   std::optional<double> mount_hz{};  ///< frequency of the bone's mount; absent: the bone is fixed
@@ -18,7 +18,7 @@ struct SwingRideParams {
 };
 
 /// The result of the run.
-struct SwingRide {
+struct SwingTrial {
   double mean_drag{0.0};  ///< mean factor on the law's drag, from 1 s after the start on
   double swing_m{0.0};    ///< range of the tool's height, from 1 s after the start on
   bool fault{false};
@@ -26,7 +26,7 @@ struct SwingRide {
 };
 
 /// Simulates the run. Deterministic.
-[[nodiscard]] SwingRide RideSwingingMount(const SwingRideParams& params);
+[[nodiscard]] SwingTrial RunSwingTrial(const SwingTrialParams& params);
 
 /// Scenario 42, swinging mount: bone that is pressed and released swings on its mount at 4 to 20 Hz, within
 /// the band of the vibration index. Metric: increase of the mean drag over that on fixed bone with the same

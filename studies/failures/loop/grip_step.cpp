@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "hil/operator/hand_grid.h"
-#include "studies/failures/loop/grip_ride.h"
+#include "studies/failures/loop/grip_trial.h"
 
 namespace osteon::studies {
 namespace {
@@ -31,10 +31,10 @@ control::ServoParams Baseline() {
 
 // Returns the force of each window over the time from the step to the window's middle, as a line of the
 // picture.
-FailureSeries Drawn(const char* name, const GripRide& gripped, bool ours) {
+FailureSeries Drawn(const char* name, const GripTrial& gripped, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
   for (std::size_t i = 0; i < gripped.window_N.size(); ++i) {
-    series.x.push_back(GripRide::kEvery_s * static_cast<double>(i) + 0.5 * GripRide::kWindow_s - kStep_s);
+    series.x.push_back(GripTrial::kEvery_s * static_cast<double>(i) + 0.5 * GripTrial::kWindow_s - kStep_s);
     series.y.push_back(std::max(1e-3, gripped.window_N[i]));
   }
   return series;
@@ -67,11 +67,11 @@ FailureResult RunGripStep(const FailureSetting& setting) {
   double max_N = 0.0, index = 0.0, end_index = 0.0;
   std::string worst;
   for (std::size_t i = 0; i < cases.size() && complete; ++i) {
-    GripRideParams ride{
+    GripTrialParams trial{
         .after = cases[i].hand, .clamp = cases[i].clamp, .step_s = kStep_s, .seconds = seconds};
-    const GripRide ours = RideGrip(ride);
-    ride.loop = Baseline();
-    const GripRide fixed = RideGrip(ride);
+    const GripTrial ours = RunGripTrial(trial);
+    trial.loop = Baseline();
+    const GripTrial fixed = RunGripTrial(trial);
     // If the cell stopped, take the largest force: a stopped cell does not vibrate, but it cannot be used
     // either.
     const double fixed_N = fixed.fault ? fixed.max_N : fixed.calm_N;

@@ -26,7 +26,7 @@ constexpr double kSpeed_m_per_s = 0.1, kRamp_s = 0.1, kRest_s = 0.3;
 // One approach to a joint's limit, along a line.
 struct Case {
   int joint{0};
-  ArmRideParams params{};
+  ArmTrialParams params{};
   Pose X_start{Pose::Identity()};
   Vector3 direction{Vector3::UnitX()};  // direction of the line along which the hand leads the tool
   double out_m{0.0};                    // distance from the start to the turning point
@@ -73,7 +73,7 @@ HandPath PathOf(const Case& c) {
 }
 
 // Judged results of one run.
-struct RideResult {
+struct TrialResult {
   double beside_m{0.0};      // largest distance of the tool from the line
   double backward_m{0.0};    // largest travel of the tool against the push, on the way out
   double beyond_rad{-1.0};   // largest distance of a joint beyond its limit
@@ -83,34 +83,34 @@ struct RideResult {
   bool fault{false};
 };
 
-RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  RideResult m{.force_step_N = LargestForceStep(ride)};
+TrialResult Measure(const Case& c, const std::vector<ArmTrialTick>& trial) {
+  TrialResult m{.force_step_N = LargestForceStep(trial)};
   const double out_s = c.out_m / kSpeed_m_per_s + kRamp_s;
   double farthest = 0.0;
   std::array<double, 7> last_qd{};
   std::array<int, 7> reversals{};
-  for (std::size_t i = 0; i < ride.size(); ++i) {
-    const Vector3 way = ride[i].X_WT.translation() - c.X_start.translation();
+  for (std::size_t i = 0; i < trial.size(); ++i) {
+    const Vector3 way = trial[i].X_WT.translation() - c.X_start.translation();
     const double along = c.direction.dot(way);
     m.beside_m = std::max(m.beside_m, (way - along * c.direction).norm());
     m.turned_rad =
-        std::max(m.turned_rad, LogRotation(c.X_start.linear().transpose() * ride[i].X_WT.linear()).norm());
+        std::max(m.turned_rad, LogRotation(c.X_start.linear().transpose() * trial[i].X_WT.linear()).norm());
     if (static_cast<double>(i) * 1e-3 < out_s) {
       m.backward_m = std::max(m.backward_m, farthest - along);
       farthest = std::max(farthest, along);
     }
     for (std::size_t j = 0; j < 7; ++j) {
-      const double q = ride[i].q[static_cast<Eigen::Index>(j)];
+      const double q = trial[i].q[static_cast<Eigen::Index>(j)];
       m.beyond_rad = std::max(
           {m.beyond_rad, q - c.params.arm.limits[j].upper_rad, c.params.arm.limits[j].lower_rad - q});
     }
     for (std::size_t j = 0; j < 7; ++j) {
-      const double qd = ride[i].qd[static_cast<Eigen::Index>(j)];
+      const double qd = trial[i].qd[static_cast<Eigen::Index>(j)];
       if (std::abs(qd) < 0.01) continue;
       if (qd * last_qd[j] < 0.0) ++reversals[j];
       last_qd[j] = qd;
     }
-    m.fault |= ride[i].fault;
+    m.fault |= trial[i].fault;
   }
   m.reversals = *std::ranges::max_element(reversals);
   return m;
@@ -152,17 +152,17 @@ FailureResult RunJointLimit(const FailureSetting& setting) {
       }
       return step;
     };
-    const std::vector<ArmRideTick> ours = RideServoLoop(c.params, PathOf(c));
-    const std::vector<ArmRideTick> clamped = RideMethod(c.params, PathOf(c), clamp);
-    const RideResult m = Measure(c, ours), b = Measure(c, clamped);
+    const std::vector<ArmTrialTick> ours = RunLoopTrial(c.params, PathOf(c));
+    const std::vector<ArmTrialTick> clamped = RunMethodTrial(c.params, PathOf(c), clamp);
+    const TrialResult m = Measure(c, ours), b = Measure(c, clamped);
     if (1e3 * b.beside_m > result.bound) ++baselines_fail;
     result.ours = std::max(result.ours, 1e3 * m.beside_m);
     if (1e3 * b.beside_m >= result.baseline) {
       result.baseline = 1e3 * b.beside_m;
       FailureSeries of_ours{.name = "ours", .ours = true}, of_clamp{.name = "joints clamped alone"};
-      const auto add = [&c](const std::vector<ArmRideTick>& ride, FailureSeries& series) {
-        for (std::size_t k = 0; k < ride.size(); k += 4) {
-          const Vector3 way = ride[k].X_WT.translation() - c.X_start.translation();
+      const auto add = [&c](const std::vector<ArmTrialTick>& trial, FailureSeries& series) {
+        for (std::size_t k = 0; k < trial.size(); k += 4) {
+          const Vector3 way = trial[k].X_WT.translation() - c.X_start.translation();
           const double along = c.direction.dot(way);
           series.x.push_back(1e3 * along);
           series.y.push_back(1e3 * (way - along * c.direction).norm());

@@ -38,14 +38,14 @@ std::vector<Case> MakeCases(bool full) {
 }
 
 // Distance of the tool from its rest position before the first tap: the largest in each 20 ms.
-FailureSeries Distance(const std::string& name, const PacketRideParams& params, const PacketRide& ride) {
+FailureSeries Distance(const std::string& name, const PacketTrialParams& params, const PacketTrial& trial) {
   constexpr std::size_t kEach = 20;
   FailureSeries series{.name = name, .ours = params.method == WallMethod::kPlanes};
   const auto first = static_cast<std::size_t>(1e3 * (params.step_s - 1.0));
-  const Vector3 rest = ride.p_W_m[first - 1];
-  for (std::size_t i = first; i + kEach <= ride.p_W_m.size(); i += kEach) {
+  const Vector3 rest = trial.p_W_m[first - 1];
+  for (std::size_t i = first; i + kEach <= trial.p_W_m.size(); i += kEach) {
     double max_m = 1e-9;
-    for (std::size_t k = i; k < i + kEach; ++k) max_m = std::max(max_m, (ride.p_W_m[k] - rest).norm());
+    for (std::size_t k = i; k < i + kEach; ++k) max_m = std::max(max_m, (trial.p_W_m[k] - rest).norm());
     series.x.push_back(1e-3 * static_cast<double>(i) - params.step_s);
     series.y.push_back(1e3 * max_m);
   }
@@ -63,7 +63,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
                        .bound = 1.0};
   const std::vector<Case> cases = MakeCases(setting.full());
   const std::uint64_t seeds = setting.full() ? 5 : 1;
-  const double rides = static_cast<double>(cases.size() * seeds);
+  const double trials = static_cast<double>(cases.size() * seeds);
   double held = 0.0, zeroed = 0.0;  // largest growth of the swing with each of the two baselines
   double max_age_s = 0.0;
   double beyond = 0.0;  // largest growth of ours in runs that do not fulfil the condition D > a_max K
@@ -74,19 +74,19 @@ FailureResult RunPackets(const FailureSetting& setting) {
   std::string worst;
   for (const Case& c : cases) {
     for (std::uint64_t seed = 1; seed <= seeds && complete; ++seed) {
-      PacketRideParams params{.before = c.before, .after = c.after, .seed = seed};
+      PacketTrialParams params{.before = c.before, .after = c.after, .seed = seed};
       std::vector<FailureSeries> series;
-      const auto ride = [&](WallMethod method, const char* name) {
+      const auto trial = [&](WallMethod method, const char* name) {
         params.method = method;
-        PacketRide r = RidePackets(params);
+        PacketTrial r = RunPacketTrial(params);
         if (c.after == hil::WireFaults{.delay = 10 * rt::kMillisecond} && seed == 1)
           series.push_back(Distance(name, params, r));
         return r;
       };
-      const PacketRide of_zeroed = ride(WallMethod::kZeroed, "zeroed");
+      const PacketTrial of_zeroed = trial(WallMethod::kZeroed, "zeroed");
       zeroed = std::max(zeroed, of_zeroed.Growth());
 
-      const PacketRide of_held = ride(WallMethod::kHeld, "held");
+      const PacketTrial of_held = trial(WallMethod::kHeld, "held");
       held = std::max(held, of_held.Growth());
       held_grows += of_held.Growth() > result.bound ? 1 : 0;
       if (AgeMargin(params, of_held) > 0.0) {
@@ -94,7 +94,7 @@ FailureResult RunPackets(const FailureSetting& setting) {
         theorem_holds &= of_held.Growth() <= result.bound;
       }
 
-      const PacketRide of_planes = ride(WallMethod::kPlanes, "ours");
+      const PacketTrial of_planes = trial(WallMethod::kPlanes, "ours");
       if (AgeMargin(params, of_planes) > 0.0) {
         ++claimed;
         max_age_s = std::max(max_age_s, of_planes.wall_age_s);
@@ -108,14 +108,15 @@ FailureResult RunPackets(const FailureSetting& setting) {
                        .y_label = "tool's distance from its rest [mm]",
                        .log_y = true,
                        .series = std::move(series)};
-      complete = setting.GoesOn(++done / rides);
+      complete = setting.GoesOn(++done / trials);
     }
   }
   result.baseline = std::min(held, zeroed);
   result.baseline_fails = result.baseline > result.bound && theorem_holds;
   result.ours_passes = complete && result.ours <= result.bound && 4 * claimed >= 3 * done;
   result.note = fmt::format(
-      "{} rides; ours has D > a_max K in {} of them, with models up to {:.0f} ms old, and is worst in \"{}\" "
+      "{} trials; ours has D > a_max K in {} of them, with models up to {:.0f} ms old, and is worst in "
+      "\"{}\" "
       "(the others: {:.2g}); held forces fulfil it in {} and grow in none of those, but in {} others (up to "
       "{:.3g}; zeroed ones up to {:.3g})",
       done, claimed, 1e3 * max_age_s, worst, beyond, held_claimed, held_grows, held, zeroed);

@@ -36,7 +36,7 @@ struct Buzz {
 // @param force_alone  true (the baseline): the loop gets a force that is a millisecond old; false: it gets a
 // plane
 Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
-  ArmRideParams params;
+  ArmTrialParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
@@ -78,15 +78,15 @@ Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, 
             return FreshModel(static_cast<std::uint64_t>(tick + 1), now, {&plane, 1});
           },
       .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
-  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
+  const std::vector<ArmTrialTick> trial = RunLoopTrial(params, scene);
 
   Buzz buzz;
   std::vector<Vector3> handle;
-  for (const ArmRideTick& tick : ride) {
+  for (const ArmTrialTick& tick : trial) {
     handle.push_back(tick.X_WT_meas.translation());
     buzz.fault |= tick.fault;
   }
-  buzz.push_N = ride.back().f_coupling_N.norm();
+  buzz.push_N = trial.back().f_coupling_N.norm();
   const auto from = static_cast<std::size_t>(kStart_s / kDt_s);
   buzz.band = BandPass(handle, kLow_hz, kHigh_hz, kDt_s);
   buzz.amplitude_m = std::numbers::sqrt2 * Rms(buzz.band, from, buzz.band.size());

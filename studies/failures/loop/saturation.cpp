@@ -53,7 +53,7 @@ double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).
 // @param side_rad       direction out of the plane, as an angle about the tool's axis from its x
 // @param depth_limited  a depth limit's resistance adds to the wall's force from some depth on
 PushResult Press(double tool_m, double side_rad, bool depth_limited) {
-  ArmRideParams params;
+  ArmTrialParams params;
   params.arm = ScenarioArm();
   params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
@@ -101,21 +101,21 @@ PushResult Press(double tool_m, double side_rad, bool depth_limited) {
   params.loop.stabilisers.passivity.acts = false;
   // without damping the requested force follows from the pose alone
   params.loop.coupling.damping_Ns_per_m = 0.0;
-  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
+  const std::vector<ArmTrialTick> trial = RunLoopTrial(params, scene);
 
   PushResult result;
   double could_since_s = 0.0;  // time since which the arm can hold the whole force
   bool is_whole = true;
-  for (std::size_t i = 1; i < ride.size(); ++i) {
-    const ArmRideTick& tick = ride[i];
+  for (std::size_t i = 1; i < trial.size(); ++i) {
+    const ArmTrialTick& tick = trial[i];
     result.fault |= tick.fault;
     // the requested force: that of the planes at the pose that the previous tick commanded
-    const double depth_m = -n.dot(ride[i - 1].X_WT.translation() - X_start.translation());
+    const double depth_m = -n.dot(trial[i - 1].X_WT.translation() - X_start.translation());
     double wanted_N = kWall_N_per_m * std::max(0.0, depth_m);
     if (depth_limited) wanted_N += kWall_N_per_m * std::max(0.0, depth_m - (kDeepest_m - kSoft_m));
     const Vector3 f_wanted = wanted_N * n, f = tick.f_coupling_N;
-    const JointVector g = body.Gravity(ride[i - 1].q);
-    const kinematics::Jacobian J = arm.JacobianAt(ride[i - 1].q, params.X_FT.translation());
+    const JointVector g = body.Gravity(trial[i - 1].q);
+    const kinematics::Jacobian J = arm.JacobianAt(trial[i - 1].q, params.X_FT.translation());
     const JointVector tau_wanted = J.topRows<3>().transpose() * f_wanted;
     const JointVector tau = J.topRows<3>().transpose() * f;
     JointVector clipped = tau_wanted;

@@ -37,7 +37,7 @@ struct DriftResult {
 // @param ours    with bias estimate and dead zone; false: the baseline
 // @param seconds  from the release to the push
 DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
-  ArmRideParams params;
+  ArmTrialParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
@@ -82,23 +82,23 @@ DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
                              const Wrench weight = control::ToolWeight(extra, X_WF);
                              return ReadBy(sensor, tick, {.f = F.f + weight.f, .t = F.t + weight.t});
                            }};
-  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
+  const std::vector<ArmTrialTick> trial = RunLoopTrial(params, scene);
 
   DriftResult result;
   const auto second = static_cast<std::size_t>(1.0 / kDt_s);
   const auto from = static_cast<std::size_t>((kReleases_s + kSettles_s) / kDt_s);
   const auto to = static_cast<std::size_t>(pushes_s / kDt_s);
-  const auto second_point = [&ride](std::size_t i) { return ride[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
+  const auto second_point = [&trial](std::size_t i) { return trial[i].X_WT * Vector3(0.0, 0.0, -kLever_m); };
   for (std::size_t i = from; i + second < to; i += 10) {
-    const Vector3 way = ride[i + second].X_WT.translation() - ride[i].X_WT.translation();
+    const Vector3 way = trial[i + second].X_WT.translation() - trial[i].X_WT.translation();
     result.speed_m_per_s =
         std::max({result.speed_m_per_s, way.norm(), (second_point(i + second) - second_point(i)).norm()});
   }
   for (std::size_t i = from; i < to; i += 20)
-    result.way_mm.push_back(1e3 * (ride[i].X_WT.translation() - ride[from].X_WT.translation()).norm());
+    result.way_mm.push_back(1e3 * (trial[i].X_WT.translation() - trial[from].X_WT.translation()).norm());
   result.way_m = 1e-3 * result.way_mm.back();
-  result.push_m_per_s = (ride.back().X_WT.translation() - ride[to].X_WT.translation()).norm() / kPushes_s;
-  for (const ArmRideTick& tick : ride) result.fault |= tick.fault;
+  result.push_m_per_s = (trial.back().X_WT.translation() - trial[to].X_WT.translation()).norm() / kPushes_s;
+  for (const ArmTrialTick& tick : trial) result.fault |= tick.fault;
   return result;
 }
 

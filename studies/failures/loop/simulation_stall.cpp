@@ -47,8 +47,8 @@ struct StallResult {
 
 // @param held  true (the baseline): the force of the last frame is held during the stall; false: its plane is
 // held
-StallResult Ride(const Case& c, double stall_s, bool held) {
-  ArmRideParams params;
+StallResult MeasureStall(const Case& c, double stall_s, bool held) {
+  ArmTrialParams params;
   params.arm = ScenarioArm();
   params.X_FT = ScenarioTool();
   params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
@@ -109,23 +109,23 @@ StallResult Ride(const Case& c, double stall_s, bool held) {
                              }
                              return last;
                            }};
-  const std::vector<ArmRideTick> ride = RideServoLoop(params, scene);
+  const std::vector<ArmTrialTick> trial = RunLoopTrial(params, scene);
 
   StallResult result;
   double given_J = 0.0;
   const auto resumes = static_cast<std::size_t>(std::lround((kStalls_s + stall_s) / kDt_s));
   const auto begins = static_cast<std::size_t>(std::lround(kStalls_s / kDt_s));
-  const double before_N = ride[begins - 1].f_coupling_N.norm();
-  for (std::size_t i = 1; i + 1 < ride.size(); ++i) {
+  const double before_N = trial[begins - 1].f_coupling_N.norm();
+  for (std::size_t i = 1; i + 1 < trial.size(); ++i) {
     // Use the mean force of both ends of the step, so that a spring returns exactly the energy that it took.
-    given_J += 0.5 * (ride[i].f_coupling_N + ride[i + 1].f_coupling_N)
-                         .dot(ride[i].X_WT.translation() - ride[i - 1].X_WT.translation());
+    given_J += 0.5 * (trial[i].f_coupling_N + trial[i + 1].f_coupling_N)
+                         .dot(trial[i].X_WT.translation() - trial[i - 1].X_WT.translation());
     result.returned_J = std::max(result.returned_J, given_J);
     result.given_J.push_back(given_J);
     if (i >= resumes && i < resumes + static_cast<std::size_t>(kResumed_s / kDt_s))
       result.step_share =
-          std::max(result.step_share, (ride[i].f_coupling_N - ride[i - 1].f_coupling_N).norm() / before_N);
-    result.fault |= ride[i].fault;
+          std::max(result.step_share, (trial[i].f_coupling_N - trial[i - 1].f_coupling_N).norm() / before_N);
+    result.fault |= trial[i].fault;
   }
   return result;
 }
@@ -158,7 +158,7 @@ FailureResult RunSimulationStall(const FailureSetting& setting) {
   for (const Case& c : kMotions) {
     for (const double stall_s : stalls_s) {
       if (!complete) break;
-      const StallResult ours = Ride(c, stall_s, false), held = Ride(c, stall_s, true);
+      const StallResult ours = MeasureStall(c, stall_s, false), held = MeasureStall(c, stall_s, true);
       if (ours.step_share >= step) worst = fmt::format("{}, {:.0f} ms", c.name, 1e3 * stall_s);
       result.ours = std::max(result.ours, ours.returned_J);
       step = std::max(step, ours.step_share);

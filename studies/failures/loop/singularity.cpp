@@ -20,7 +20,7 @@ using kinematics::JointVector;
 // An arm, and the path on which a hand leads its tool into or past a singular posture.
 struct Case {
   std::string name;
-  ArmRideParams params{};
+  ArmTrialParams params{};
   HandPath path{};
   bool wrist{false};
 };
@@ -116,21 +116,21 @@ Case WristCase(double miss_rad) {
 }
 
 // Judged results of one run.
-struct RideResult {
+struct TrialResult {
   double speed_share{0.0};            // largest joint speed over that joint's limit
   double force_step_N{0.0};           // largest change of the hand's force in a millisecond
   double left_m{0.0}, left_rad{0.0};  // distance of the tool from the hand's goal at the end
   bool fault{false};
 };
 
-RideResult Measure(const Case& c, const std::vector<ArmRideTick>& ride) {
-  RideResult m{.force_step_N = LargestForceStep(ride)};
-  for (const ArmRideTick& tick : ride) {
+TrialResult Measure(const Case& c, const std::vector<ArmTrialTick>& trial) {
+  TrialResult m{.force_step_N = LargestForceStep(trial)};
+  for (const ArmTrialTick& tick : trial) {
     m.speed_share = std::max(m.speed_share, JointSpeedShare(c.params.arm, tick.qd));
     m.fault |= tick.fault;
   }
   // the tool must end where the hand ends
-  const ArmRideTick& last = ride.back();
+  const ArmTrialTick& last = trial.back();
   m.left_m = (last.X_WT.translation() - last.goal.X_WT.translation()).norm();
   m.left_rad = LogRotation(last.X_WT.linear().transpose() * last.goal.X_WT.linear()).norm();
   return m;
@@ -167,9 +167,9 @@ FailureResult RunSingularity(const FailureSetting& setting) {
   std::string worst;
   for (std::size_t i = 0; i < cases.size() && complete; ++i) {
     const Case& c = cases[i];
-    const std::vector<ArmRideTick> ours = RideServoLoop(c.params, c.path);
-    const std::vector<ArmRideTick> plain = RideMethod(c.params, c.path, PlainInverse);
-    const RideResult m = Measure(c, ours), b = Measure(c, plain);
+    const std::vector<ArmTrialTick> ours = RunLoopTrial(c.params, c.path);
+    const std::vector<ArmTrialTick> plain = RunMethodTrial(c.params, c.path, PlainInverse);
+    const TrialResult m = Measure(c, ours), b = Measure(c, plain);
     if (b.speed_share > result.bound) ++baselines_fail;
     if (m.speed_share >= result.ours) worst = c.name;
     result.ours = std::max(result.ours, m.speed_share);
@@ -181,10 +181,10 @@ FailureResult RunSingularity(const FailureSetting& setting) {
     faulted |= m.fault;
     if (i == 0) {
       FailureSeries of_ours{.name = "ours", .ours = true}, of_plain{.name = "pseudo-inverse"};
-      const auto add = [&c](const std::vector<ArmRideTick>& ride, FailureSeries& series) {
-        for (std::size_t k = 0; k < ride.size(); k += 4) {
+      const auto add = [&c](const std::vector<ArmTrialTick>& trial, FailureSeries& series) {
+        for (std::size_t k = 0; k < trial.size(); k += 4) {
           series.x.push_back(static_cast<double>(k) * 1e-3);
-          series.y.push_back(std::max(1e-3, JointSpeedShare(c.params.arm, ride[k].qd)));
+          series.y.push_back(std::max(1e-3, JointSpeedShare(c.params.arm, trial[k].qd)));
         }
       };
       add(ours, of_ours);

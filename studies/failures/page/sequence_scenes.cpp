@@ -59,7 +59,7 @@ void Undo(SceneSketch& s) {
   s.BoneBlock(20, 90, 260, 150);
   s.ToolBall(100, 74, 18);
   s.GhostBall(180, 74, 18);
-  s.Text(60, 40, "a pass is taken back");
+  s.Text(60, 40, "a pass is undone");
   if (s.ours())
     s.Text(282, 110, "the bone is back", "start", s.color());
   else

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "studies/failures/arm_bench.h"
-#include "studies/failures/procedure/change_ride.h"
+#include "studies/failures/procedure/change_trial.h"
 
 namespace osteon::studies {
 namespace {
@@ -21,17 +21,17 @@ FailureResult RunToolChange(const FailureSetting& setting) {
                        .unit = "mm",
                        .baseline_name = "the apex's pose is kept",
                        .bound = 0.0};
-  const ChangeRideParams params{.tools = {ReamerOnFlange(0.044, 0.87), ReamerOnFlange(0.046, 0.87)}};
-  const ChangeRide ride = RideChange(params);
+  const ChangeTrialParams params{.tools = {ReamerOnFlange(0.044, 0.87), ReamerOnFlange(0.046, 0.87)}};
+  const ChangeTrial trial = RunChangeTrial(params);
   const kinematics::LbrArm arm(ScenarioArm());
-  const Vector3 flange = arm.FlangePose(ride.q_before).translation();
-  const Pose X_kept = ride.X_before * params.tools[1].X_FT.inverse();
+  const Vector3 flange = arm.FlangePose(trial.q_before).translation();
+  const Pose X_kept = trial.X_before * params.tools[1].X_FT.inverse();
   result.baseline = 1e3 * (X_kept.translation() - flange).norm();
-  result.ours = 1e3 * (arm.FlangePose(ride.q_after).translation() - flange).norm();
-  const bool same_bits = ride.q_after == ride.q_before;
-  const double apex_mm = 1e3 * (ride.X_after.translation() - ride.X_before.translation()).norm();
+  result.ours = 1e3 * (arm.FlangePose(trial.q_after).translation() - flange).norm();
+  const bool same_bits = trial.q_after == trial.q_before;
+  const double apex_mm = 1e3 * (trial.X_after.translation() - trial.X_before.translation()).norm();
   result.baseline_fails = result.baseline > 0.5;
-  result.ours_passes = result.ours == result.bound && same_bits && !ride.fault && setting.GoesOn(1.0);
+  result.ours_passes = result.ours == result.bound && same_bits && !trial.fault && setting.GoesOn(1.0);
   result.note = fmt::format(
       "Reamers of 44 and 46 mm. The joints stay equal to the last bit, and the apex is {:.1f} mm further on; "
       "the baseline's flange would move at {:.0f} mm/s.",

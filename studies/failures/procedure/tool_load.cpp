@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "studies/failures/procedure/change_ride.h"
+#include "studies/failures/procedure/change_trial.h"
 
 namespace osteon::studies {
 namespace {
@@ -14,11 +14,11 @@ constexpr double kHandle_kg = 0.876, kHeavier_kg = 0.0134;
 constexpr int kEvery = 20;  // ticks between two points of the picture
 
 // Returns the speed of the apex after the resume, as a line of the picture.
-FailureSeries Drawn(const char* name, const ChangeRide& ride, bool ours) {
+FailureSeries Drawn(const char* name, const ChangeTrial& trial, bool ours) {
   FailureSeries series{.name = name, .ours = ours};
-  for (std::size_t i = 0; i < ride.speed_mm_per_s.size(); i += kEvery) {
+  for (std::size_t i = 0; i < trial.speed_mm_per_s.size(); i += kEvery) {
     series.x.push_back(1e-3 * static_cast<double>(i));
-    series.y.push_back(ride.speed_mm_per_s[i]);
+    series.y.push_back(trial.speed_mm_per_s[i]);
   }
   return series;
 }
@@ -36,12 +36,12 @@ FailureResult RunToolLoad(const FailureSetting& setting) {
                        .bound = 1.0};
   const control::LoopTool first = ReamerOnFlange(0.044, kHandle_kg);
   control::LoopTool second = ReamerOnFlange(0.050, kHandle_kg + kHeavier_kg);
-  const ChangeRideParams params{
+  const ChangeTrialParams params{
       .tools = {first, second}, .mounted_kg = kHeavier_kg, .seconds_after = setting.full() ? 5.0 : 2.0};
-  const ChangeRide ours = RideChange(params);
-  ChangeRideParams without = params;
+  const ChangeTrial ours = RunChangeTrial(params);
+  ChangeTrialParams without = params;
   without.tools[1].sensor = first.sensor;
-  const ChangeRide baseline = RideChange(without);
+  const ChangeTrial baseline = RunChangeTrial(without);
   result.baseline = *std::ranges::max_element(baseline.speed_mm_per_s);
   result.ours = *std::ranges::max_element(ours.speed_mm_per_s);
   result.baseline_fails = result.baseline > result.bound;

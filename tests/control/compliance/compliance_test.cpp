@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/base/checked_no_alloc_scope.h"
-#include "tests/control/compliance/compliant_ride.h"
+#include "tests/control/compliance/random_motion.h"
 
 // Tests tool, surface layer and bone mount together, all compliant: frames, wrench, limits and energy. For
-// the energy, the tool moves 1000 times at random against elastic planes (a ride, see compliant_ride.h).
+// the energy, the tool moves 1000 times at random against elastic planes (RandomMotion).
 
 namespace osteon::control {
 namespace {
@@ -89,9 +89,9 @@ double StoredIn(const Compliance& c) {
 
 class ComplianceEnergy : public testing::TestWithParam<CompliantParts> {};
 
-// 1000 random motions (rides) with each element alone, and 1000 with all three. worst_J is the smallest
+// 1000 random motions with each element alone, and 1000 with all three. worst_J is the smallest
 // energy balance: below zero, the motion took out more energy than it had put in.
-TEST_P(ComplianceEnergy, NoRideTakesOutMoreThanItPutIn) {
+TEST_P(ComplianceEnergy, NoMotionTakesOutMoreThanItPutIn) {
   std::mt19937_64 bits(41);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   double worst_J = 0.0, max_work_J = 0.0;
@@ -100,12 +100,12 @@ TEST_P(ComplianceEnergy, NoRideTakesOutMoreThanItPutIn) {
     const Vector3 n = Vector3(any(bits), any(bits), 1.2).normalized(), p_TP_m(1e-3, -0.5e-3, -2e-3);
     const std::vector<SpringPlane> planes{{.n = Vector3::UnitZ(), .offset_m = -0.2e-3},
                                           {.n = n, .offset_m = n.dot(p_TP_m) - 0.3e-3, .p_TP_m = p_TP_m}};
-    const SmoothRide ride(bits, kSeconds, 3e-3, 0.05);
-    const RideEnergy energy = RunRide(compliance, planes, ride, LayerFrame(), kSeconds, kT_s, StoredIn);
+    const RandomMotion motion(bits, kSeconds, 3e-3, 0.05);
+    const MotionEnergy energy = RunMotion(compliance, planes, motion, LayerFrame(), kSeconds, kT_s, StoredIn);
     worst_J = std::min(worst_J, energy.min_balance_J);
     max_work_J = std::max(max_work_J, energy.work_J);
   }
-  EXPECT_GT(max_work_J, 1e-4) << "the rides did press";
+  EXPECT_GT(max_work_J, 1e-4) << "the motions did press";
   EXPECT_GT(worst_J, -2e-5) << "of some tens of mJ that pass: the sampled work of a contact that opens";
 }
 
@@ -130,9 +130,10 @@ TEST(Compliance, AToolWithATooShortTimeConstantGivesEnergy) {
     double smallest_J = 0.0;
     for (int i = 0; i < 40; ++i) {
       Compliance compliance(params, kT_s);
-      const SmoothRide ride(bits, kSeconds, 3e-3, 0.0);
-      smallest_J = std::min(
-          smallest_J, RunRide(compliance, side, ride, LayerFrame(), kSeconds, kT_s, StoredIn).min_balance_J);
+      const RandomMotion motion(bits, kSeconds, 3e-3, 0.0);
+      smallest_J =
+          std::min(smallest_J,
+                   RunMotion(compliance, side, motion, LayerFrame(), kSeconds, kT_s, StoredIn).min_balance_J);
     }
     return smallest_J;
   };

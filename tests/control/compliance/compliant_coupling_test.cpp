@@ -198,8 +198,8 @@ TEST(CompliantLoop, ADepthBoundFixedToTheBoneMovesWithTheBone) {
   params.depth.bound.shape = safety::ZoneShape::kHalfSpace;
   params.depth.bound.R_W = RotationFromZTo(Vector3(-feed_W));
   params.depth.bound.p_W_m = Vector3(X_start.translation() + 3.0e-3 * feed_W);
-  const auto distance_m = [&](bool rides) {
-    params.depth.rides_on_bone = rides;
+  const auto distance_m = [&](bool moves_with_bone) {
+    params.depth.rides_on_bone = moves_with_bone;
     ServoBench bench(params, 0.001);
     bench.Activate();
     for (int i = 0; i < 4000; ++i) {

@@ -104,10 +104,10 @@ TEST(VulkanEngine, ReportsDeviceLostAfterAFrameThatTimesOut) {
     ASSERT_EQ(model.contact_count, 0);
     ASSERT_EQ(Vector3(model.F_T_W.f).norm(), 0.0);
   }
-  const simulation::CarvedState books = engine->Snapshot();
-  EXPECT_EQ(books.frame, 1u);
-  EXPECT_TRUE(books.balls.empty()) << "what lay on the device";
-  EXPECT_THROW(engine->Restore(books), std::runtime_error);
+  const simulation::CarvedState snapshot = engine->Snapshot();
+  EXPECT_EQ(snapshot.frame, 1u);
+  EXPECT_TRUE(snapshot.balls.empty()) << "what lay on the device";
+  EXPECT_THROW(engine->Restore(snapshot), std::runtime_error);
 }
 
 // A snapshot must read the balls back from the device. If that takes too long, the snapshot has no balls and

@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 // The output of a run: its result, its recording, and the notices to the operator.
-struct GainsRide {
+struct GainsRun {
   CellRunResult result;
   io::Recording recording;
   std::vector<std::string> notices;
@@ -37,7 +37,7 @@ void Save(const fs::path& file, const std::string& text, int version) {
 
 // Runs the cell "thin_plate". The gains are saved twice: at 1.5 s with good values, at 3.5 s with a mass of
 // 0.
-GainsRide RideWithSavedGains() {
+GainsRun RunWithSavedGains() {
   const io::test::TemporaryFolder folder;
   const fs::path gains = folder.path() / "gains.yaml";
   Save(gains, "admittance:\n  damping_Ns_per_m: [150, 150, 140]\n", 0);
@@ -46,7 +46,7 @@ GainsRide RideWithSavedGains() {
   EXPECT_TRUE(setup) << setup.error();
   auto engine = MakeEngine(*setup, {});
   EXPECT_TRUE(engine) << engine.error();
-  GainsRide ride;
+  GainsRun finished;
   int saved = 0;
   const auto edit = [&](double at_s) {
     if (saved == 0 && at_s > 1.5) {
@@ -59,29 +59,30 @@ GainsRide RideWithSavedGains() {
                              .virtual_time = true,
                              .recording = folder.path() / "r.mcap",
                              .gains = gains,
-                             .notice = [&](const std::string& text) { ride.notices.push_back(text); },
+                             .notice = [&](const std::string& text) { finished.notices.push_back(text); },
                              .progress = edit};
   auto result = RunCell(*setup, **engine, params);
   EXPECT_TRUE(result) << result.error().what;
-  ride.result = std::move(*result);
+  finished.result = std::move(*result);
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  ride.recording = std::move(*recording);
-  return ride;
+  finished.recording = std::move(*recording);
+  return finished;
 }
 
 TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit) {
-  const GainsRide ride = RideWithSavedGains();
-  EXPECT_EQ(ride.result.faults.bits(), 0u);
-  ASSERT_EQ(ride.notices.size(), 2u);
-  EXPECT_THAT(ride.notices[0],
+  const GainsRun finished = RunWithSavedGains();
+  EXPECT_EQ(finished.result.faults.bits(), 0u);
+  ASSERT_EQ(finished.notices.size(), 2u);
+  EXPECT_THAT(finished.notices[0],
               AllOf(HasSubstr("mass_x 3 -> 2 kg"), HasSubstr("damping_z 140 -> 150 Ns_per_m"),
                     HasSubstr("coupling_stiffness 80000 -> 60000 N_per_m")));
-  EXPECT_THAT(ride.notices[1], AllOf(HasSubstr("gains stay as they are"), HasSubstr(":2: mass_kg: found 0")));
+  EXPECT_THAT(finished.notices[1],
+              AllOf(HasSubstr("gains stay as they are"), HasSubstr(":2: mass_kg: found 0")));
 
   int taken = 0;
   double step_N = 0.0, peak_N = 0.0;
-  const auto& ticks = ride.recording.ticks;
+  const auto& ticks = finished.recording.ticks;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     if (ticks[i].input.has_gains) {
       ++taken;
@@ -96,9 +97,9 @@ TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit)
   EXPECT_EQ(taken, 1) << "the wrong file was not taken";
   EXPECT_GT(peak_N, 10.0) << "in contact";
 
-  const auto cell = LoadRecordedCell(ride.recording.session.config);
+  const auto cell = LoadRecordedCell(finished.recording.session.config);
   ASSERT_TRUE(cell) << cell.error();
-  const ReplayResult replay = Replay(ride.recording, *cell);
+  const ReplayResult replay = Replay(finished.recording, *cell);
   EXPECT_TRUE(replay.identical) << replay.why_not;
   EXPECT_EQ(replay.ticks, ticks.size());
 }
@@ -106,17 +107,17 @@ TEST(GainsRun, GoodGainsSavedDuringARunActBadOnesDoNotAndTheRunReplaysBitForBit)
 // All axes of the drill except the drilling axis are locked, while the simulated hand also pulls sideways.
 TEST(GainsRun, ADrillWithLockedAxesStaysOnItsLineThroughoutTheRun) {
   config::CellConfig cell;
-  const VirtualRun ride = RunInVirtualTime("thin_plate", 10.0, [&](config::CellConfig& config) {
+  const VirtualRun finished = RunInVirtualTime("thin_plate", 10.0, [&](config::CellConfig& config) {
     config.servo.admittance.locked = {true, true, false, true, true, true};
     cell = config;
   });
-  EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
-  EXPECT_EQ(ride.result.faults.bits(), 0u);
-  EXPECT_GT(ride.result.after.removed_volume_m3, 5e-9) << "it has drilled";
+  EXPECT_EQ(finished.result.end, control::RunEnd::kSeconds);
+  EXPECT_EQ(finished.result.faults.bits(), 0u);
+  EXPECT_GT(finished.result.after.removed_volume_m3, 5e-9) << "it has drilled";
   const Pose* first = nullptr;
   Pose X_first;
   double off_m = 0.0, off_rad = 0.0, deep_m = 0.0, aside_N = 0.0;
-  for (const control::TickRecord& tick : ride.recording.ticks) {
+  for (const control::TickRecord& tick : finished.recording.ticks) {
     if (tick.phase != control::Phase::kHaptic) continue;
     if (!first) {
       X_first = tick.X_WT_cmd;

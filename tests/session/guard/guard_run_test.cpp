@@ -40,12 +40,12 @@ safety::GuardSession SessionOf(std::uint8_t state) {
 
 // Sends every tick of a recording through the guard of the cell `name`, and expects that all pass.
 // @param margin  share by which the guard's limits exceed the cell's
-void ExpectAllPasses(const std::string& name, const VirtualRun& ride, double margin) {
+void ExpectAllPasses(const std::string& name, const VirtualRun& finished, double margin) {
   config::CellConfig cell = config::LoadCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml");
   cell.guard = config::GuardConfig{.host = "127.0.0.1", .port = 30209, .margin = margin};
   safety::GuardMonitor monitor(GuardParamsOf(cell));
   std::uint64_t answers = 0;
-  for (const control::TickRecord& tick : ride.recording.ticks) {
+  for (const control::TickRecord& tick : finished.recording.ticks) {
     const control::TickInput& in = tick.input;
     if (in.received != 0 || tick.session_state == 0) continue;
     safety::GuardArmMessage message{.sequence = in.sequence,
@@ -66,27 +66,27 @@ void ExpectAllPasses(const std::string& name, const VirtualRun& ride, double mar
 }
 
 TEST(GuardRun, TheWholeDemoPasses) {
-  const VirtualRun ride = RunInVirtualTime("demo", 10.0, [](config::CellConfig&) {});
-  EXPECT_EQ(ride.summary.ended, "completed");
-  ExpectAllPasses("demo", ride, 0.25);
+  const VirtualRun finished = RunInVirtualTime("demo", 10.0, [](config::CellConfig&) {});
+  EXPECT_EQ(finished.summary.ended, "completed");
+  ExpectAllPasses("demo", finished, 0.25);
 }
 
 TEST(GuardRun, TheOtherShippedCellsPass) {
   for (const char* name : {"molar", "femoral_canal", "thin_plate", "sawbone_block", "thin_plate_impedance"}) {
     SCOPED_TRACE(name);
-    const VirtualRun ride = RunInVirtualTime(name, 4.0, [](config::CellConfig&) {});
-    EXPECT_TRUE(ride.summary.faults.empty());
-    ExpectAllPasses(name, ride, 0.25);
+    const VirtualRun finished = RunInVirtualTime(name, 4.0, [](config::CellConfig&) {});
+    EXPECT_TRUE(finished.summary.faults.empty());
+    ExpectAllPasses(name, finished, 0.25);
   }
 }
 
 TEST(GuardRun, ATorqueOverlayPasses) {
-  const VirtualRun ride = RunInVirtualTime("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
+  const VirtualRun finished = RunInVirtualTime("thin_plate_impedance", 4.0, [](config::CellConfig& cell) {
     cell.simulated.fri.command_mode = control::CommandMode::kTorque;
     cell.simulated.fri.control_mode = control::ControlMode::kJointImpedance;
     cell.simulated.dynamic.stiffness_Nm_per_rad.setConstant(100.0);
   });
-  ExpectAllPasses("thin_plate_impedance", ride, 0.25);
+  ExpectAllPasses("thin_plate_impedance", finished, 0.25);
 }
 
 // Compliance moves the tool's head or the bone. The guard computes the poses of a rigid tool, so compliance
@@ -94,47 +94,47 @@ TEST(GuardRun, ATorqueOverlayPasses) {
 TEST(GuardRun, CellsWithACompliantToolOrBonePass) {
   for (const char* name : {"long_drill", "cartilage_cup", "pelvis_mount"}) {
     SCOPED_TRACE(name);
-    const VirtualRun ride = RunInVirtualTime(name, 3.0, [](config::CellConfig&) {});
-    EXPECT_TRUE(ride.summary.faults.empty());
-    EXPECT_TRUE(ride.recording.ticks.back().compliance.present);
-    ExpectAllPasses(name, ride, 0.25);
+    const VirtualRun finished = RunInVirtualTime(name, 3.0, [](config::CellConfig&) {});
+    EXPECT_TRUE(finished.summary.faults.empty());
+    EXPECT_TRUE(finished.recording.ticks.back().compliance.present);
+    ExpectAllPasses(name, finished, 0.25);
   }
 }
 
 // Under the impedance law the controller commands a wrench; the bone stands on a soft mount.
 TEST(GuardRun, AWrenchOverlayOnABoneThatMovesPasses) {
   double moved_m = 0.0;
-  const VirtualRun ride = RunInVirtualTime("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
+  const VirtualRun finished = RunInVirtualTime("thin_plate_impedance", 3.0, [](config::CellConfig& cell) {
     control::BoneMountParams mount;
     mount.p_WMo_m = cell.X_WG * Vector3(0.0, 0.0, -0.05);
     cell.servo.compliance.mount = mount;
   });
-  for (const control::TickRecord& tick : ride.recording.ticks)
+  for (const control::TickRecord& tick : finished.recording.ticks)
     moved_m = std::max(moved_m, Vector3(tick.compliance.mount_m).norm());
   EXPECT_GT(moved_m, 50e-6);
-  EXPECT_TRUE(ride.summary.faults.empty());
-  ExpectAllPasses("thin_plate_impedance", ride, 0.25);
+  EXPECT_TRUE(finished.summary.faults.empty());
+  ExpectAllPasses("thin_plate_impedance", finished, 0.25);
 }
 
 // The drill's permitted thrust is only 20 N. The loop detects the deflection and brakes, and the guard must
 // pass the commands that brake.
 TEST(GuardRun, TheLoopsOwnStopForATooLargeDeflectionPasses) {
-  const VirtualRun ride = RunInVirtualTime(
+  const VirtualRun finished = RunInVirtualTime(
       "long_drill", 4.0, [](config::CellConfig& cell) { cell.servo.compliance.tool->max_thrust_N = 20.0; });
-  ASSERT_FALSE(ride.summary.faults.empty());
-  EXPECT_NE(ride.summary.faults.front().name.find("deflection"), std::string::npos)
-      << ride.summary.faults.front().name;
-  ExpectAllPasses("long_drill", ride, 0.25);
+  ASSERT_FALSE(finished.summary.faults.empty());
+  EXPECT_NE(finished.summary.faults.front().name.find("deflection"), std::string::npos)
+      << finished.summary.faults.front().name;
+  ExpectAllPasses("long_drill", finished, 0.25);
 }
 
 // The arm starts outside the workspace and moves along a joint path to its start.
 TEST(GuardRun, ThePathToTheStartFromOutsideTheWorkspacePasses) {
-  const VirtualRun ride = RunInVirtualTime("thin_plate", 2.0, [](config::CellConfig& cell) {
+  const VirtualRun finished = RunInVirtualTime("thin_plate", 2.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.3;
     cell.simulated.q_start[1] -= 0.15;
   });
-  EXPECT_TRUE(ride.summary.faults.empty());
-  ExpectAllPasses("thin_plate", ride, 0.25);
+  EXPECT_TRUE(finished.summary.faults.empty());
+  ExpectAllPasses("thin_plate", finished, 0.25);
 }
 
 TEST(ConfigChecksum, DependsOnNamesAndContentsButNotOnFoldersOrderOrGains) {

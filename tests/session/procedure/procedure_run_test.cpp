@@ -173,14 +173,14 @@ TEST_F(ProcedureRun, AViewCarvesWithTheReamerInUseAndOmitsUndonePasses) {
   EXPECT_GT(ViewedVolume(rig_->params.recording, *setup, first_alone), viewed_mm3 + 50.0)
       << "the second reamer is larger";
 
-  const fs::path folder = CopyOf(rig_->folder, "taken_back");
+  const fs::path folder = CopyOf(rig_->folder, "undone");
   std::ifstream stream(folder / kSessionFileName);
   auto json = nlohmann::json::parse(stream);
   json["passes"].back()["undone"] = true;
   std::ofstream(folder / kSessionFileName) << json;
   const auto without = ReadRecordedCut(folder / "run_1.mcap", recording_->session, *setup);
   ASSERT_TRUE(without) << without.error();
-  ASSERT_EQ((*without)->taken_back.size(), 1u);
+  ASSERT_EQ((*without)->undone.size(), 1u);
   EXPECT_GT(ViewedVolume(folder / "run_1.mcap", *setup, **without), viewed_mm3 + 50.0);
 }
 

@@ -99,10 +99,10 @@ TEST(SessionSurfaces, FollowEachToolAndLeaveOutAnUndonePass) {
   double page_with_all_mm3 = 0.0;
   rig.params.progress = [&](double) {
     // wait until all frames so far are carved
-    live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
+    live->Apply([](surface::CarvedField&, surface::ToolSweep&) {});
     if (!undo.done()) page_with_all_mm3 = page.Volume_mm3();
   };
-  live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
+  live->Apply([](surface::CarvedField&, surface::ToolSweep&) {});
   const double page_before_mm3 = page.Volume_mm3();
   rig.Run();
   ASSERT_TRUE(undo.done());
@@ -144,7 +144,7 @@ TEST(SessionSurfaces, BeginWithTheCutsOfEarlierRecordingsAndUndoThemAsWell) {
   auto begun = again.session->Begin(*again.engine);
   ASSERT_TRUE(begun) << begun.error();
   auto live = StartSurface(*again.setup, again.session.get(), {}, page);
-  live->Apply([](surface::CarvedField&, surface::ToolWays&) {});
+  live->Apply([](surface::CarvedField&, surface::ToolSweep&) {});
   const double page_begins_mm3 = page.Volume_mm3();
   again.params.surface = live.get();
   const auto run = RunCell(*again.setup, *again.engine, again.params);
@@ -156,7 +156,7 @@ TEST(SessionSurfaces, BeginWithTheCutsOfEarlierRecordingsAndUndoThemAsWell) {
   ASSERT_GE(resumed_mm3.size(), 2u);
   EXPECT_NEAR(resumed_mm3.front(), bone_mm3, 0.02 * undone_mm3);
   EXPECT_NEAR(resumed_mm3.back() - resumed_mm3.front(), undone_mm3, kTolerance * undone_mm3)
-      << "the first recording's last pass was taken back";
+      << "the first recording's last pass was undone";
   EXPECT_NEAR(page.Volume_mm3() - page_begins_mm3, undone_mm3, kTolerance * undone_mm3);
 }
 

@@ -91,21 +91,21 @@ MeasuredRun RunAndMeasure(const std::string& name, double error_m, double second
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  MeasuredRun ride;
+  MeasuredRun finished;
   const RunAccumulator run = AccumulateRun(setup, *recording);
-  ride.summary = Summarise(setup, **engine, params, *result, run);
+  finished.summary = Summarise(setup, **engine, params, *result, run);
   const auto& last = result->rezoned;
-  ride.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().zones.promised_m;
+  finished.promised_m = last.empty() ? setup.planned->plan.promised_m : last.back().zones.promised_m;
   const simulation::CutAccuracy cut = simulation::MeasureCut(
       *setup.solid, simulation::BallUnion(last.empty() ? setup.bone.balls : last.back().bone.balls),
       simulation::BallUnion(simulation::LiveBalls(result->after)),
       simulation::SweptTool(setup.config.tool.tool, run.path.X_GP()),
       {.probe_radii_m = {}, .surface_cells = 12'000, .probe_samples = 1});
-  ride.error_m = cut.depth_error_m + cut.MeanLeft_m();
-  ride.result = std::move(*result);
-  ride.recording = std::move(*recording);
-  ride.balls = setup.bone.balls.size();
-  return ride;
+  finished.error_m = cut.depth_error_m + cut.MeanLeft_m();
+  finished.result = std::move(*result);
+  finished.recording = std::move(*recording);
+  finished.balls = setup.bone.balls.size();
+  return finished;
 }
 
 struct Case {
@@ -120,31 +120,31 @@ class AdaptiveResolutionRun : public testing::TestWithParam<Case> {};
 
 TEST_P(AdaptiveResolutionRun, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval) {
   const Case asked = GetParam();
-  const MeasuredRun ride = RunAndMeasure(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
+  const MeasuredRun finished = RunAndMeasure(asked.cell, 1e-3 * asked.error_mm, 3.0, true),
                     calm = RunAndMeasure(asked.cell, 1e-3 * asked.error_mm, 3.0, false);
   EXPECT_TRUE(calm.result.rezoned.empty());
-  ASSERT_FALSE(ride.result.rezoned.empty());
-  const Rezoned& first = ride.result.rezoned.front();
-  EXPECT_LT(first.bone.balls.size(), ride.balls);
-  EXPECT_EQ(first.bone.points.size(), ride.summary.points);
+  ASSERT_FALSE(finished.result.rezoned.empty());
+  const Rezoned& first = finished.result.rezoned.front();
+  EXPECT_LT(first.bone.balls.size(), finished.balls);
+  EXPECT_EQ(first.bone.points.size(), finished.summary.points);
   EXPECT_EQ(first.seen_us, kSlow_us);
   EXPECT_LE(first.zones.frame_us, 0.9e6 / kRate_hz);
-  EXPECT_EQ(ride.result.after.balls.size(), 4 * ride.result.rezoned.back().bone.balls.size());
+  EXPECT_EQ(finished.result.after.balls.size(), 4 * finished.result.rezoned.back().bone.balls.size());
 
-  EXPECT_EQ(ride.result.end, control::RunEnd::kSeconds);
-  EXPECT_EQ(ride.result.faults.bits(), 0u);
-  EXPECT_LE(ride.summary.peak_force_N, ride.summary.force_limit_N);
+  EXPECT_EQ(finished.result.end, control::RunEnd::kSeconds);
+  EXPECT_EQ(finished.result.faults.bits(), 0u);
+  EXPECT_LE(finished.summary.peak_force_N, finished.summary.force_limit_N);
 
   std::printf("%s: error %.4f mm of %.4f, coarsened %.4f mm of %.4f\n", asked.cell, calm.error_m * 1e3,
-              calm.promised_m * 1e3, ride.error_m * 1e3, ride.promised_m * 1e3);
+              calm.promised_m * 1e3, finished.error_m * 1e3, finished.promised_m * 1e3);
   if (asked.whole) {
     EXPECT_LE(calm.error_m, calm.promised_m);
-    EXPECT_LE(ride.error_m, ride.promised_m);
+    EXPECT_LE(finished.error_m, finished.promised_m);
   }
-  EXPECT_GT(ride.promised_m, calm.promised_m);
+  EXPECT_GT(finished.promised_m, calm.promised_m);
 
   // the removed volume never jumps or falls, and ends at what the finer zones would have removed
-  const auto& frames = ride.recording.frames;
+  const auto& frames = finished.recording.frames;
   ASSERT_EQ(frames.size(), calm.recording.frames.size());
   double last_m3 = 0.0, most_m3 = 0.0, calm_most_m3 = 0.0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -177,21 +177,21 @@ TEST_P(AdaptiveResolutionRun, CoarsensZonesUnderLoadWithoutAStepInForceOrRemoval
     return 0.0;
   };
   std::printf("%s: at %.0f N, step of a tick %.2f N, %.2f N without; %zu -> %zu balls\n", asked.cell,
-              force_after_exchange_N(calm), max_force_step_N(ride), max_force_step_N(calm), ride.balls,
-              first.bone.balls.size());
+              force_after_exchange_N(calm), max_force_step_N(finished), max_force_step_N(calm),
+              finished.balls, first.bone.balls.size());
   EXPECT_GT(force_after_exchange_N(calm), 1.0) << "in contact";
-  EXPECT_LT(max_force_step_N(ride), max_force_step_N(calm) + 3.0);
+  EXPECT_LT(max_force_step_N(finished), max_force_step_N(calm) + 3.0);
 
   // the recording's events and the summary name the coarser zones
   const auto told = [&](const char* text) {
-    return std::ranges::any_of(ride.recording.events,
+    return std::ranges::any_of(finished.recording.events,
                                [&](const auto& event) { return event.text.find(text) != std::string::npos; });
   };
   EXPECT_TRUE(told("packing: "));
   EXPECT_TRUE(told("coarser zones are made"));
   EXPECT_TRUE(told("zones coarsened: "));
-  const auto json = nlohmann::json::parse(ToJson(ride.summary, "osteon.demo/1"));
-  EXPECT_EQ(json["rezoned"].size(), ride.result.rezoned.size());
+  const auto json = nlohmann::json::parse(ToJson(finished.summary, "osteon.demo/1"));
+  EXPECT_EQ(json["rezoned"].size(), finished.result.rezoned.size());
   EXPECT_EQ(json["rezoned"][0]["spheres"], first.bone.balls.size());
   EXPECT_EQ(json["planned"]["rate_hz"], kRate_hz);
 }
@@ -207,12 +207,12 @@ TEST_P(PlannedScript, KeepsTheErrorThatItsSceneAsksFor) {
   const auto setup = PrepareCell(CellFile(GetParam()), std::nullopt);
   ASSERT_TRUE(setup) << setup.error();
   const double asked_m = setup->config.scene.fidelity.value().error_m;
-  const MeasuredRun ride = RunAndMeasure(GetParam(), asked_m, 9.0, false);
-  std::printf("%s: error %.4f mm of %.4f, %zu balls\n", GetParam(), ride.error_m * 1e3, asked_m * 1e3,
-              ride.balls);
-  EXPECT_EQ(ride.result.faults.bits(), 0u);
-  EXPECT_LE(ride.error_m, asked_m);
-  EXPECT_GT(ride.error_m, 0.2 * asked_m) << "much finer than it has to be";
+  const MeasuredRun finished = RunAndMeasure(GetParam(), asked_m, 9.0, false);
+  std::printf("%s: error %.4f mm of %.4f, %zu balls\n", GetParam(), finished.error_m * 1e3, asked_m * 1e3,
+              finished.balls);
+  EXPECT_EQ(finished.result.faults.bits(), 0u);
+  EXPECT_LE(finished.error_m, asked_m);
+  EXPECT_GT(finished.error_m, 0.2 * asked_m) << "much finer than it has to be";
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, PlannedScript,

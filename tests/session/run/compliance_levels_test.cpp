@@ -17,10 +17,10 @@ namespace osteon::session {
 namespace {
 
 // Mean coupling force [N] over the ticks in contact, which are those with more than 1 N.
-double MeanForce(const VirtualRun& ride) {
+double MeanForce(const VirtualRun& finished) {
   double sum_N = 0.0;
   int count = 0;
-  for (const control::TickRecord& tick : ride.recording.ticks) {
+  for (const control::TickRecord& tick : finished.recording.ticks) {
     const double force_N = Vector3(tick.F_coupling_T_W.f).norm();
     if (!(force_N > 1.0)) continue;
     sum_N += force_N;
@@ -43,8 +43,8 @@ void ExpectSameTicks(const VirtualRun& a, const VirtualRun& b) {
 }
 
 // Runs a shipped cell in virtual time with a chosen engine, without the cell's report.
-VirtualRun RideOn(const EngineChoice& choice, const std::string& name, double seconds,
-                  void (*change)(config::CellConfig&)) {
+VirtualRun RunOn(const EngineChoice& choice, const std::string& name, double seconds,
+                 void (*change)(config::CellConfig&)) {
   auto setup = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/" + name + ".yaml", std::nullopt);
   EXPECT_TRUE(setup) << setup.error();
   change(setup->config);
@@ -56,11 +56,11 @@ VirtualRun RideOn(const EngineChoice& choice, const std::string& name, double se
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  VirtualRun ride;
-  ride.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
-  ride.recording = std::move(*recording);
-  ride.result = std::move(*result);
-  return ride;
+  VirtualRun finished;
+  finished.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
+  finished.recording = std::move(*recording);
+  finished.result = std::move(*result);
+  return finished;
 }
 
 // Sets the bone on a compliant mount, in addition to the cell's bending tool.
@@ -72,7 +72,7 @@ void AddMount(config::CellConfig& cell) {
 
 TEST(ComplianceEngines, TheReferenceEngineAndTheCpuEngineGiveTheSameRun) {
   const VirtualRun cpu = RunInVirtualTime("long_drill", 0.7, AddMount);
-  const VirtualRun reference = RideOn({.engine = "reference"}, "long_drill", 0.7, AddMount);
+  const VirtualRun reference = RunOn({.engine = "reference"}, "long_drill", 0.7, AddMount);
   ExpectSameTicks(cpu, reference);
   EXPECT_EQ(cpu.summary.state_hash, reference.summary.state_hash);
   EXPECT_GT(MeanForce(cpu), 1.0);
@@ -85,7 +85,7 @@ TEST(ComplianceEngines, TheVulkanEngineIsWithinOnePercentOfForceAndTwoOfRemoval)
   ASSERT_TRUE(setup) << setup.error();
   if (!MakeEngine(*setup, {.engine = "vulkan"})) GTEST_SKIP() << "skipped, no Vulkan device";
   const VirtualRun cpu = RunInVirtualTime("long_drill", 0.7, AddMount);
-  const VirtualRun vulkan = RideOn({.engine = "vulkan"}, "long_drill", 0.7, AddMount);
+  const VirtualRun vulkan = RunOn({.engine = "vulkan"}, "long_drill", 0.7, AddMount);
   EXPECT_NEAR(MeanForce(vulkan), MeanForce(cpu), 0.01 * MeanForce(cpu));
   EXPECT_NEAR(vulkan.summary.removed_volume_m3, cpu.summary.removed_volume_m3,
               0.02 * cpu.summary.removed_volume_m3 + 1e-10);

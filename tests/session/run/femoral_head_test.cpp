@@ -52,33 +52,33 @@ CellSetup PlannedHead(const Tool& tool, const std::optional<MeshChoice>& mesh = 
 }
 
 // The results of a run.
-struct Ridden {
+struct FinishedRun {
   CellRunResult result;
   double max_step{0.0};  ///< largest change of the force per tick, as a fraction of the trip's limit
   double peak_N{0.0};
 };
 
 /// Runs the cell with frames of the simulation that take frame_ms each. @param seed  for the hand's tremor
-Ridden Ride(CellSetup& setup, double seconds, int frame_ms, int seed) {
+FinishedRun RunBriefly(CellSetup& setup, double seconds, int frame_ms, int seed) {
   setup.config.simulated.hand.tremor_seed = static_cast<std::uint64_t>(seed);
   auto engine = MakeEngine(setup, {});
   EXPECT_TRUE(engine) << engine.error();
   const io::test::TemporaryFolder folder;
-  Ridden ridden;
-  const CellRunParams params{.seconds = seconds,
-                             .virtual_time = true,
-                             .frame_s = 1e-3 * frame_ms,
-                             .recording = folder.path() / "r.mcap",
-                             .ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
-                               if (tick.wrench_step_limit_N > 0.0)
-                                 ridden.max_step =
-                                     std::max(ridden.max_step, tick.wrench_step_N / tick.wrench_step_limit_N);
-                               ridden.peak_N = std::max(ridden.peak_N, Vector3(tick.F_coupling_T_W.f).norm());
-                             }};
+  FinishedRun finished;
+  const CellRunParams params{
+      .seconds = seconds,
+      .virtual_time = true,
+      .frame_s = 1e-3 * frame_ms,
+      .recording = folder.path() / "r.mcap",
+      .ticked = [&](const control::TickRecord& tick, const simulation::ContactModel&) {
+        if (tick.wrench_step_limit_N > 0.0)
+          finished.max_step = std::max(finished.max_step, tick.wrench_step_N / tick.wrench_step_limit_N);
+        finished.peak_N = std::max(finished.peak_N, Vector3(tick.F_coupling_T_W.f).norm());
+      }};
   auto result = RunCell(setup, **engine, params);
   EXPECT_TRUE(result) << result.error().what;
-  ridden.result = std::move(*result);
-  return ridden;
+  finished.result = std::move(*result);
+  return finished;
 }
 
 // Length of a run that reaches the bone: with slow frames the tool approaches more slowly (model sight).
@@ -93,16 +93,16 @@ TEST_P(FemoralHead, IsCutWithoutATripForAnyFrameDuration) {
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const int frame_ms = frames_ms[seed % 10];
     SCOPED_TRACE(fmt::format("seed {}, frames of {} ms", seed, frame_ms));
-    const Ridden ridden = Ride(setup, SecondsToBone(frame_ms), frame_ms, seed);
-    EXPECT_EQ(ridden.result.end, control::RunEnd::kSeconds);
-    EXPECT_EQ(ridden.result.faults.bits(), 0u);
+    const FinishedRun finished = RunBriefly(setup, SecondsToBone(frame_ms), frame_ms, seed);
+    EXPECT_EQ(finished.result.end, control::RunEnd::kSeconds);
+    EXPECT_EQ(finished.result.faults.bits(), 0u);
     if (frame_ms < 30) {  // with frames of 30 ms the force fades to zero
-      EXPECT_GT(ridden.result.after.removed_volume_m3, 0.0);
+      EXPECT_GT(finished.result.after.removed_volume_m3, 0.0);
     }
-    EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
-    EXPECT_EQ(ridden.result.statistics.limits.Of(safety::Limit::kTank).events, 0u);
-    max_step = std::max(max_step, ridden.max_step);
-    if (frame_ms <= 12) min_peak_N = std::min(min_peak_N, ridden.peak_N);
+    EXPECT_EQ(finished.result.statistics.limits.Of(safety::Limit::kPassivity).events, 0u);
+    EXPECT_EQ(finished.result.statistics.limits.Of(safety::Limit::kTank).events, 0u);
+    max_step = std::max(max_step, finished.max_step);
+    if (frame_ms <= 12) min_peak_N = std::min(min_peak_N, finished.peak_N);
   }
   RecordProperty("most_step", std::to_string(max_step));
   EXPECT_GT(min_peak_N, 30.0) << "it is pressed";
@@ -118,11 +118,11 @@ INSTANTIATE_TEST_SUITE_P(Tools, FemoralHead,
 // nothing.
 TEST(FemoralHeadSteps, AreLargerIfTheForceTurnsToNewPlanesWithinOneTick) {
   CellSetup setup = PlannedHead({"twist_drill", 0.004});
-  const double shipped = Ride(setup, 2.0, 4, 1).max_step;
+  const double shipped = RunBriefly(setup, 2.0, 4, 1).max_step;
   setup.config.servo.coupling.turn_m_per_s = 10.0;
   double at_once = 0.0;
   for (const int frame_ms : {4, 8, 16, 30})
-    at_once = std::max(at_once, Ride(setup, 2.0, frame_ms, 1).max_step);
+    at_once = std::max(at_once, RunBriefly(setup, 2.0, frame_ms, 1).max_step);
   RecordProperty("shipped", std::to_string(shipped));
   RecordProperty("at_once", std::to_string(at_once));
   EXPECT_GT(at_once, shipped);
@@ -149,10 +149,10 @@ TEST(HipBoneOuterFaces, AreDrilledWithoutATrip) {
             .file = mesh,
             .cup = simulation::CutSite{.center_m = 1e-3 * site.p_mm, .axis = site.axis, .radius_m = 0.002}});
     for (const int frame_ms : {2, 8, 20}) {
-      const Ridden ridden = Ride(setup, SecondsToBone(frame_ms), frame_ms, seed++);
-      EXPECT_EQ(ridden.result.end, control::RunEnd::kSeconds) << frame_ms;
-      EXPECT_EQ(ridden.result.faults.bits(), 0u) << frame_ms;
-      EXPECT_GT(ridden.peak_N, 30.0) << frame_ms;
+      const FinishedRun finished = RunBriefly(setup, SecondsToBone(frame_ms), frame_ms, seed++);
+      EXPECT_EQ(finished.result.end, control::RunEnd::kSeconds) << frame_ms;
+      EXPECT_EQ(finished.result.faults.bits(), 0u) << frame_ms;
+      EXPECT_GT(finished.peak_N, 30.0) << frame_ms;
     }
   }
 }

@@ -30,7 +30,7 @@ class HeldFault : public testing::Test {
  protected:
   // Runs thin_plate for 4 s of rendering. @param recover_after_s, stop_after_s  time from the fault to the
   // operator's request to recover or to end the run; negative: never
-  void Ride(double recover_after_s, double stop_after_s = -1.0) {
+  void RunWithSilentArm(double recover_after_s, double stop_after_s = -1.0) {
     setup_ = SetUpCell(OSTEON_SOURCE_DIR "/config/cells/thin_plate.yaml", std::nullopt);
     ASSERT_TRUE(setup_) << setup_.error();
     setup_->config = WithASilentArm(setup_->config);
@@ -79,7 +79,7 @@ class HeldFault : public testing::Test {
 };
 
 TEST_F(HeldFault, ARecoveryContinuesWithoutAJumpButTheRunsVerdictStaysBad) {
-  ASSERT_NO_FATAL_FAILURE(Ride(1.0));
+  ASSERT_NO_FATAL_FAILURE(RunWithSilentArm(1.0));
   EXPECT_EQ(result_.end, control::RunEnd::kSeconds);
   EXPECT_EQ(result_.operator_recoveries, 1);
   EXPECT_FALSE(result_.faults.Any());
@@ -98,7 +98,7 @@ TEST_F(HeldFault, ARecoveryContinuesWithoutAJumpButTheRunsVerdictStaysBad) {
 }
 
 TEST_F(HeldFault, AStopDuringTheHoldEndsTheRunWithTheFault) {
-  ASSERT_NO_FATAL_FAILURE(Ride(-1.0, 1.0));
+  ASSERT_NO_FATAL_FAILURE(RunWithSilentArm(-1.0, 1.0));
   EXPECT_EQ(result_.end, control::RunEnd::kFault);
   EXPECT_EQ(result_.operator_recoveries, 0);
   EXPECT_TRUE(result_.faults.Any());

@@ -11,10 +11,8 @@
 namespace osteon::session {
 namespace {
 
-using Ride = VirtualRun;
-
 template <class Change>
-Ride RunKr(double seconds, const Change& change, int recoveries = 0) {
+VirtualRun RunKr(double seconds, const Change& change, int recoveries = 0) {
   return RunInVirtualTime("kr_16_thin_plate", seconds, change, recoveries);
 }
 void AsShipped(config::CellConfig&) {}
@@ -26,7 +24,7 @@ io::RsiSessionParams& Session(config::CellConfig& cell) {
 constexpr double kMaxStep_rad = 4e-3;  // 4 ms at 1 rad/s
 
 TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
-  const Ride run = RunKr(10.0, AsShipped);
+  const VirtualRun run = RunKr(10.0, AsShipped);
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_TRUE(run.summary.faults.empty()) << run.summary.faults.front().name;
   EXPECT_EQ(run.summary.servo_rate_hz, 250.0);
@@ -47,7 +45,7 @@ TEST(RsiRun, TheShippedCellDrillsThroughItsPlateWithoutAFault) {
 }
 
 TEST(RsiRun, EqualRunsGiveEqualStatesAndReplayBitForBit) {
-  const Ride a = RunKr(3.0, AsShipped), b = RunKr(3.0, AsShipped);
+  const VirtualRun a = RunKr(3.0, AsShipped), b = RunKr(3.0, AsShipped);
   EXPECT_EQ(a.summary.state_hash, b.summary.state_hash);
   EXPECT_GT(a.summary.removed_volume_m3, 0.0);
   const auto cell = LoadRecordedCell(a.recording.session.config);
@@ -61,7 +59,7 @@ TEST(RsiRun, EqualRunsGiveEqualStatesAndReplayBitForBit) {
 
 // Absolute joint corrections, Cartesian ones and relative ones give the same hole.
 TEST(RsiRun, EveryKindOfCorrectionCutsTheSameVolume) {
-  const Ride axes = RunKr(4.0, AsShipped);
+  const VirtualRun axes = RunKr(4.0, AsShipped);
   const auto cartesian = [](config::CellConfig& cell) {
     Session(cell).kind = io::RsiCorrection::kCartesian;
     Session(cell).range = cell.simulated.kr->controller.range = {200, 200, 200, 90, 90, 90};
@@ -70,14 +68,14 @@ TEST(RsiRun, EveryKindOfCorrectionCutsTheSameVolume) {
   const auto relative = [](config::CellConfig& cell) {
     Session(cell).absolute = cell.simulated.kr->controller.absolute = false;
   };
-  for (const Ride& other : {RunKr(4.0, cartesian), RunKr(4.0, relative)}) {
+  for (const VirtualRun& other : {RunKr(4.0, cartesian), RunKr(4.0, relative)}) {
     EXPECT_TRUE(other.summary.faults.empty());
     EXPECT_NEAR(other.summary.removed_volume_m3 / axes.summary.removed_volume_m3, 1.0, 0.02);
   }
 }
 
 TEST(RsiRun, AsksTheArmsProgramToEndIfTheLayoutHasAStop) {
-  const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
+  const VirtualRun run = RunKr(1.0, [](config::CellConfig& cell) {
     Session(cell).layout = io::RsiLayout::kKroshu;
     cell.simulated.kr->controller.format = hil::RsiFormat::kKroshu;
   });
@@ -88,7 +86,7 @@ TEST(RsiRun, AsksTheArmsProgramToEndIfTheLayoutHasAStop) {
 }
 
 TEST(RsiRun, AnArmThatIsHandedOverElsewhereMovesToTheStart) {
-  const Ride run = RunKr(1.0, [](config::CellConfig& cell) {
+  const VirtualRun run = RunKr(1.0, [](config::CellConfig& cell) {
     cell.simulated.q_start[0] += 0.1;
     cell.simulated.q_start[1] -= 0.05;
   });
@@ -112,7 +110,7 @@ hil::InjectionParams Loss(hil::Direction direction, double loss, double from_s, 
 // RSI ends after a number of late answers, its Timeout. Below it, a cycle without an answer repeats the last
 // correction, and every loss is counted.
 TEST(RsiRun, LossesBelowTheTimeoutCauseNoFaultAndAreCountedExactly) {
-  const Ride run = RunKr(
+  const VirtualRun run = RunKr(
       4.0, [](config::CellConfig& cell) { cell.injections = Loss(hil::Direction::kBoth, 0.03, 0.0, 1e9); });
   EXPECT_EQ(run.summary.ended, "completed");
   EXPECT_TRUE(run.summary.faults.empty()) << run.summary.faults.front().name;
@@ -135,7 +133,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
     Session(cell).timeout_cycles = cell.simulated.kr->controller.timeout_cycles = 25;
     cell.injections = Loss(hil::Direction::kFromController, 1.0, 1.0, 2.0);
   };
-  const Ride run = RunKr(4.0, lost);
+  const VirtualRun run = RunKr(4.0, lost);
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.faults.front().name, "arm message stale");
   EXPECT_EQ(run.cell["arm"]["stop"], "timeout: 25 answers late, RSI ends at 25");
@@ -145,7 +143,7 @@ TEST(RsiRun, BeyondTheTimeoutRsiEndsAndTheLoopStops) {
   ExpectNoJump(run.recording, kMaxStep_rad);
 
   // a person starts the program again, and the run may recover
-  const Ride again = RunKr(
+  const VirtualRun again = RunKr(
       6.0,
       [&](config::CellConfig& cell) {
         lost(cell);
@@ -173,7 +171,7 @@ void NotHeld(config::CellConfig& cell, double axis_speed_ratio) {
 // With absolute corrections and HOLDON 0, a lost answer has the effect of a correction of zero: the arm jumps
 // back toward its pose at RSI's start, whatever the loop commands.
 TEST(RsiRun, AnArmThatJumpsByItselfIsStoppedAndItsSpeedIsReported) {
-  const Ride run =
+  const VirtualRun run =
       RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, std::numeric_limits<double>::infinity()); });
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "fault");
@@ -185,7 +183,7 @@ TEST(RsiRun, AnArmThatJumpsByItselfIsStoppedAndItsSpeedIsReported) {
 }
 
 TEST(RsiRun, AControllerThatWatchesItsAxisSpeedsEndsTheSessionWithThisReason) {
-  const Ride run = RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, 0.2); });
+  const VirtualRun run = RunKr(8.0, [](config::CellConfig& cell) { NotHeld(cell, 0.2); });
   ASSERT_FALSE(run.summary.faults.empty());
   EXPECT_EQ(run.summary.ended, "fault");
   EXPECT_NE(run.summary.arm_stop.find("axis speed: A"), std::string::npos) << run.summary.arm_stop;
@@ -194,7 +192,7 @@ TEST(RsiRun, AControllerThatWatchesItsAxisSpeedsEndsTheSessionWithThisReason) {
 
 // The arm's messages are missing for 0.2 s, longer than the loop's arm_miss_count permits.
 TEST(RsiRun, StopsIfTheArmsMessagesAreMissing) {
-  const Ride run = RunKr(4.0, [](config::CellConfig& cell) {
+  const VirtualRun run = RunKr(4.0, [](config::CellConfig& cell) {
     cell.injections.injections = {{.direction = hil::Direction::kToController,
                                    .from_s = 1.0,
                                    .to_s = 1.2,

@@ -21,7 +21,8 @@ const fs::path kCells = OSTEON_SOURCE_DIR "/config/cells";
 
 /// Runs a cell in virtual time and expects no fault and no use of the last safeguards. @returns nothing if it
 /// could not run
-std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& engine_name, double seconds) {
+std::optional<CellRunResult> RunScene(const CellSetup& setup, const std::string& engine_name,
+                                      double seconds) {
   const io::test::TemporaryFolder folder;
   auto engine = MakeEngine(setup, {.engine = engine_name});
   if (!engine) {
@@ -46,7 +47,7 @@ std::optional<CellRunResult> Ride(const CellSetup& setup, const std::string& eng
   return std::move(*result);
 }
 /// Runs 0.3 s on the CPU engine, which gives the reference engine's bits in a tenth of its time.
-void ExpectToRun(const CellSetup& setup) { static_cast<void>(Ride(setup, "cpu", 0.3)); }
+void ExpectToRun(const CellSetup& setup) { static_cast<void>(RunScene(setup, "cpu", 0.3)); }
 
 /// Checks that the bone has the scene's materials, that its balls (3000 to 40 000) lie in its solid, and that
 /// the site's axis leads from outside into the bone.
@@ -108,14 +109,14 @@ TEST_P(WholeScript, DiffersBetweenTheArmsLevelsOnlyIfTheCellAsksForMasses) {
   hil::SimulatedCellParams& cell = setup->config.simulated;
   const bool needs_masses = cell.level == hil::ArmLevel::kDynamic;
   cell.level = hil::ArmLevel::kServo;
-  const auto servo = Ride(*setup, "cpu", 10.0);
+  const auto servo = RunScene(*setup, "cpu", 10.0);
 
   const config::CellConfig demo = config::LoadCell(kCells / "demo.yaml");
   ASSERT_TRUE(demo.simulated.dynamic.mount);
   cell.level = hil::ArmLevel::kDynamic;
   cell.dynamic = demo.simulated.dynamic;
   for (std::size_t i = 0; i < 7; ++i) cell.chain.joints[i].friction = demo.simulated.chain.joints[i].friction;
-  const auto dynamic = Ride(*setup, "cpu", 10.0);
+  const auto dynamic = RunScene(*setup, "cpu", 10.0);
   ASSERT_TRUE(servo && dynamic);
   const double force =
       dynamic->statistics.peak_coupling_force_N / servo->statistics.peak_coupling_force_N - 1.0;

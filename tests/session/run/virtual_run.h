@@ -56,12 +56,12 @@ VirtualRun RunInVirtualTime(const std::string& name, double seconds, const Chang
   EXPECT_TRUE(result) << result.error().what;
   auto recording = io::ReadRecording(params.recording);
   EXPECT_TRUE(recording) << recording.error();
-  VirtualRun ride;
-  ride.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
-  ride.recording = std::move(*recording);
-  ride.cell = nlohmann::json::parse(ride.summary.cell_report);
-  ride.result = std::move(*result);
-  return ride;
+  VirtualRun finished;
+  finished.summary = Summarise(*setup, **engine, params, *result, AccumulateRun(*setup, *recording));
+  finished.recording = std::move(*recording);
+  finished.cell = nlohmann::json::parse(finished.summary.cell_report);
+  finished.result = std::move(*result);
+  return finished;
 }
 
 /// Checks that no commanded joint moves by max_rad or more in a tick while the arm follows the commands.

@@ -49,7 +49,8 @@ void MakeTicks(const hil::ServoArmParams& params, double speed_rad_per_s, contro
 }
 
 // A latency meter that got the ticks of an arm with these parameters.
-LatencyMeter Ride(const hil::ServoArmParams& params, double speed_rad_per_s, control::CommandMode mode) {
+LatencyMeter MeasureMotion(const hil::ServoArmParams& params, double speed_rad_per_s,
+                           control::CommandMode mode) {
   LatencyMeter meter;
   MakeTicks(params, speed_rad_per_s, mode, [&](const control::TickRecord& tick) { meter.Add(tick); });
   return meter;
@@ -74,7 +75,8 @@ TEST(Latency, IsKnownDuringTheRun) {
             [&](const control::TickRecord& tick) { live.TakeTick(tick); });
   EXPECT_EQ(next.ticks, 4000) << "everything goes on to the view";
   const console::LatencyStatus status = live.Status();
-  const LatencyFigures whole = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
+  const LatencyFigures whole =
+      MeasureMotion(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
   ASSERT_TRUE(status.known);
   EXPECT_FALSE(status.measured) << "the sensor's own delay is assumed";
   EXPECT_NEAR(status.hand_to_arm_ms, 1e3 * whole.hand_to_arm_s, 0.01);
@@ -86,7 +88,8 @@ TEST(Latency, IsKnownDuringTheRun) {
 TEST(Latency, TheArmsPartIsItsDeadTimePlusItsLag) {
   for (const double dead : {0.0, 3.0, 4.6}) {
     const hil::ServoArmParams arm{.dead_cycles = dead};
-    const LatencyFigures found = Ride(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
+    const LatencyFigures found =
+        MeasureMotion(arm, 0.2, control::CommandMode::kPosition).Figures(kPeriod_s, {});
     const double lag_s = dead * kPeriod_s + 2.0 / (2.0 * std::numbers::pi * 15.0);
     ASSERT_EQ(found.parts.size(), 5u);
     EXPECT_EQ(found.parts[3].name, "arm");
@@ -97,7 +100,7 @@ TEST(Latency, TheArmsPartIsItsDeadTimePlusItsLag) {
 }
 
 TEST(Latency, TheTotalIsTheSumOfItsPartsAndNamesAssumedOnes) {
-  const LatencyMeter meter = Ride({}, 0.2, control::CommandMode::kPosition);
+  const LatencyMeter meter = MeasureMotion({}, 0.2, control::CommandMode::kPosition);
   const LatencyFigures wall = meter.Figures(kPeriod_s, {.sensor_delay_s = 1.7e-3, .sensor_known = true});
   EXPECT_TRUE(wall.Measured());
   const double arm_s = wall.parts[3].mean_s;
@@ -141,7 +144,7 @@ TEST(Latency, UnderTheImpedanceLawTheArmsPartIsTheDeadTimeOfForces) {
   cell.servo.law = control::Law::kImpedance;
   cell.simulated.dynamic.dead_cycles = 3;
   cell.servo.period_s = kPeriod_s;
-  const LatencyMeter meter = Ride({}, 0.2, control::CommandMode::kWrench);
+  const LatencyMeter meter = MeasureMotion({}, 0.2, control::CommandMode::kWrench);
   const LatencyFigures assumed = meter.Figures(kPeriod_s, LatencyContextOf(cell, false));
   EXPECT_TRUE(assumed.hand_moves_arm);
   EXPECT_EQ(assumed.parts[3].mean_s, 3e-3);
@@ -158,8 +161,10 @@ TEST(Latency, UnderTheImpedanceLawTheArmsPartIsTheDeadTimeOfForces) {
 }
 
 TEST(Latency, TheDelayOfAnArmAtRestOrUnderForcesIsNotMeasured) {
-  EXPECT_FALSE(Ride({}, 0.0, control::CommandMode::kPosition).Figures(kPeriod_s, {}).parts[3].measured);
-  EXPECT_FALSE(Ride({}, 0.2, control::CommandMode::kWrench).Figures(kPeriod_s, {}).parts[3].measured);
+  EXPECT_FALSE(
+      MeasureMotion({}, 0.0, control::CommandMode::kPosition).Figures(kPeriod_s, {}).parts[3].measured);
+  EXPECT_FALSE(
+      MeasureMotion({}, 0.2, control::CommandMode::kWrench).Figures(kPeriod_s, {}).parts[3].measured);
   EXPECT_TRUE(LatencyMeter().Figures(kPeriod_s, {}).parts.empty());
   EXPECT_TRUE(ToJson(LatencyMeter().Figures(kPeriod_s, {})).is_null());
 }

@@ -106,7 +106,7 @@ TEST_F(Recarve, ACoarserPackingIsCarvedLikeTheFinerOne) {
 
   // The coarse engine replaces the fine one: the totals of removed volume and mass must continue, and the
   // tool must touch the cut face at the same place.
-  coarse.Restore(MergeBooks(carved, counted));
+  coarse.Restore(MergeCarvedStates(carved, counted));
   const FrameInput& pressed = work_.frames[work_.feel_begin];
   const ContactModel a = fine.Step(pressed), b = coarse.Step(pressed);
   EXPECT_EQ(b.frame, a.frame);
@@ -167,11 +167,11 @@ TEST(ProxyTrail, KeepsPlacesAStepApartAndTheLastOne) {
   EXPECT_EQ(trail.settled(), trail.places().size() - 1);
 }
 
-TEST(MergeBooks, RefusesStatesWithDifferentNumbersOfPoints) {
+TEST(MergeCarvedStates, RefusesStatesWithDifferentNumbersOfPoints) {
   CarvedState a, b;
   a.cleared.resize(3);
   b.cleared.resize(4);
-  EXPECT_THROW((void)MergeBooks(a, b), std::invalid_argument);
+  EXPECT_THROW((void)MergeCarvedStates(a, b), std::invalid_argument);
 }
 
 }  // namespace

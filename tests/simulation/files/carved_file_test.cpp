@@ -130,7 +130,7 @@ TEST_F(CarvedFile, ErrorsNameTheByteTheValueFoundAndTheValuesAccepted) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const float nan_f = std::numeric_limits<float>::quiet_NaN();
   expect(Forged(good, 72, nan), "byte 72: proxy");
-  expect(Forged(good, 168, -1.0), "byte 168: books: found -1, accepted 0 and more");
+  expect(Forged(good, 168, -1.0), "byte 168: totals: found -1, accepted 0 and more");
   expect(Forged(good, 304 + 64, 9u), "byte 368: contact pairs: found 9, accepted 0 … 8");
   expect(Forged(good, 380, 7u), "byte 380: proxy's flag: found 7, accepted 0 or 1");
   expect(Forged(good, kHeader, nan_f), "ball 0: x: found nan mm");

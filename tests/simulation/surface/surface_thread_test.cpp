@@ -64,10 +64,10 @@ TEST(SurfaceThread, PublishesTheMeshOfAllFrames) {
   EXPECT_EQ(sink.last_frame, kFrames);
 
   CarvedField field(BallField(9.0F, 0.5F));
-  ToolWays ways(kBall, Pose::Identity());
+  ToolSweep sweep(kBall, Pose::Identity());
   for (std::uint64_t i = 1; i <= kFrames; ++i)
-    if (ways.Add(FrameNumber(i))) field.Carve(ways.TakeCapsules());
-  field.Carve(ways.TakeCapsules());
+    if (sweep.Add(FrameNumber(i))) field.Carve(sweep.TakeCapsules());
+  field.Carve(sweep.TakeCapsules());
   EXPECT_EQ(sink.bricks, field.layout().Count());
   EXPECT_EQ(CountQuads(sink.kept), WeldSurface(field).quads.size());
   EXPECT_NE(CountQuads(sink.kept), WeldSurface(CarvedField(BallField(9.0F, 0.5F))).quads.size());
@@ -108,10 +108,10 @@ TEST(SurfaceThread, ReplacesFramesThatAFullRingRefusedByAStraightWay) {
   thread.Stop();
   EXPECT_EQ(sink.last_frame, 101U);
   CarvedField field(BallField(9.0F, 0.5F));
-  ToolWays ways(kBall, Pose::Identity());
-  for (std::uint64_t i = 1; i <= kRing; ++i) (void)ways.Add(FrameNumber(i));
-  (void)ways.Add(FrameNumber(101));
-  field.Carve(ways.TakeCapsules());
+  ToolSweep sweep(kBall, Pose::Identity());
+  for (std::uint64_t i = 1; i <= kRing; ++i) (void)sweep.Add(FrameNumber(i));
+  (void)sweep.Add(FrameNumber(101));
+  field.Carve(sweep.TakeCapsules());
   EXPECT_EQ(CountQuads(sink.kept), WeldSurface(field).quads.size());
 }
 
@@ -121,18 +121,18 @@ TEST(SurfaceThread, AppliesAChangeAfterAllPushedFrames) {
   for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
   std::uint64_t frame = 0;
   BrickField swept;
-  thread.Apply([&](CarvedField& field, ToolWays& ways) {
-    frame = ways.frame();
+  thread.Apply([&](CarvedField& field, ToolSweep& sweep) {
+    frame = sweep.frame();
     swept = field.swept();
   });
   EXPECT_EQ(frame, 205U);
   const std::size_t quads = CountQuads(sink.kept);
   for (std::uint64_t i = 206; i <= 500; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   EXPECT_NE(CountQuads(sink.kept), quads);
-  thread.Apply([&](CarvedField& field, ToolWays&) { field.SetSwept(swept); });
+  thread.Apply([&](CarvedField& field, ToolSweep&) { field.SetSwept(swept); });
   EXPECT_EQ(CountQuads(sink.kept), quads) << "published as it was";
-  EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) { throw std::logic_error("mine"); }),
+  EXPECT_THROW(thread.Apply([](CarvedField&, ToolSweep&) { throw std::logic_error("mine"); }),
                std::logic_error);
 }
 
@@ -143,12 +143,12 @@ TEST(SurfaceThread, MeshesNothingWhileUnwatchedAndEveryChangeOnceWatched) {
       kBall, Pose::Identity(),
       {.make_solid = [] { return BallField(9.0F, 0.5F); }, .is_watched = [&] { return watched.load(); }},
       sink);
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   const std::size_t uncut = CountQuads(sink.kept);
   EXPECT_GT(uncut, 0U) << "the first mesh is ready for who comes";
   BrickField swept;
   for (std::uint64_t i = 1; i <= 205; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
-  thread.Apply([&](CarvedField& field, ToolWays&) { swept = field.swept(); });
+  thread.Apply([&](CarvedField& field, ToolSweep&) { swept = field.swept(); });
   EXPECT_EQ(sink.last_frame, 0U);
   EXPECT_EQ(CountQuads(sink.kept), uncut);
   CarvedField expected(BallField(9.0F, 0.5F));
@@ -156,7 +156,7 @@ TEST(SurfaceThread, MeshesNothingWhileUnwatchedAndEveryChangeOnceWatched) {
   const std::size_t cut = WeldSurface(expected).quads.size();
   EXPECT_NE(cut, uncut) << "the field follows";
   watched.store(true);
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   EXPECT_EQ(sink.last_frame, 205U);
   EXPECT_EQ(CountQuads(sink.kept), cut);
 }
@@ -182,12 +182,12 @@ TEST(SurfaceThread, TakingAPassBackRestoresTheMeshBeforeIt) {
                         .keeps_batches = true},
                        sink);
   for (std::uint64_t i = 1; i <= 206; ++i) ASSERT_TRUE(thread.Push(frame(i)));
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   const std::size_t first = CountQuads(sink.kept);
   for (std::uint64_t i = 207; i <= 500; ++i) ASSERT_TRUE(thread.Push(frame(i)));
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   EXPECT_NE(CountQuads(sink.kept), first);
-  thread.TakeBack({{.begin = 207, .end = 500}});
+  thread.Undo({{.begin = 207, .end = 500}});
   thread.Stop();
   EXPECT_EQ(thread.error(), "");
   EXPECT_EQ(CountQuads(sink.kept), first) << "with what was cut earlier";
@@ -198,7 +198,7 @@ TEST(SurfaceThread, AgeIsAtMostTheTimeSinceAllFramesWerePushed) {
   SurfaceThread thread(kBall, Pose::Identity(), {.make_solid = [] { return BallField(9.0F, 0.5F); }}, sink);
   for (std::uint64_t i = 1; i <= 100; ++i) ASSERT_TRUE(thread.Push(FrameNumber(i)));
   const rt::Nanoseconds before = rt::MonotonicNow();
-  thread.Apply([](CarvedField&, ToolWays&) {});
+  thread.Apply([](CarvedField&, ToolSweep&) {});
   EXPECT_LE(thread.age().count(), rt::MonotonicNow() - before);
 }
 
@@ -238,7 +238,7 @@ TEST(SurfaceThread, ReportsWhyItsThreadFailed) {
                        }},
                        sink);
   (void)thread.Push(FrameNumber(1));
-  EXPECT_THROW(thread.Apply([](CarvedField&, ToolWays&) {}), std::runtime_error);
+  EXPECT_THROW(thread.Apply([](CarvedField&, ToolSweep&) {}), std::runtime_error);
   thread.Stop();
   EXPECT_EQ(thread.error(), "no solid");
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/reading/load.h"
-#include "studies/failures/loop/grip_ride.h"
+#include "studies/failures/loop/grip_trial.h"
 
 // The laws of the shipped cells with a hand that stiffens, on an arm that lags.
 
@@ -23,17 +23,17 @@ TEST_P(StiffGrip, VibratesByAtMostThreeTimesTheTremorThatTheCellAccepts) {
       config::LoadCell(std::filesystem::path(OSTEON_SOURCE_DIR) / "config/cells" / GetParam()).servo;
   ASSERT_TRUE(cell.vibration.acts);
   for (const hil::GridHand& hand : {kStiff, kClamp}) {
-    GripRideParams params{.after = hand, .clamp = hand.name == "clamp"};
+    GripTrialParams params{.after = hand, .clamp = hand.name == "clamp"};
     params.loop.admittance = cell.admittance;
     params.loop.vibration = cell.vibration;
-    const GripRide ride = RideGrip(params);
-    EXPECT_FALSE(ride.fault) << hand.name;
-    EXPECT_LT(ride.calm_N, 3.0 * cell.vibration.reference.tremor_N) << hand.name;
+    const GripTrial trial = RunGripTrial(params);
+    EXPECT_FALSE(trial.fault) << hand.name;
+    EXPECT_LT(trial.calm_N, 3.0 * cell.vibration.reference.tremor_N) << hand.name;
     params.loop.vibration.acts = false;
-    const GripRide without = RideGrip(params);
+    const GripTrial without = RunGripTrial(params);
     if (hand.name == "clamp") {
-      EXPECT_TRUE(without.fault || without.calm_N > 2.0 * ride.calm_N)
-          << "the law alone: " << without.calm_N << " N, with: " << ride.calm_N;
+      EXPECT_TRUE(without.fault || without.calm_N > 2.0 * trial.calm_N)
+          << "the law alone: " << without.calm_N << " N, with: " << trial.calm_N;
     }
   }
 }

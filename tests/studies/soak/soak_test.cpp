@@ -39,10 +39,10 @@ EpisodeResult FaultlessResult(EpisodeKind kind) {
   result.ended = EndsWithFault(kind) ? "fault" : "completed";
   if (!InjectedFault(kind).empty()) result.faults = {std::string(InjectedFault(kind))};
   result.hash = 17;
-  result.books.complete = true;
-  result.books.peak_rendered_N = 120.0;
-  result.books.removed_m3 = result.carved_m3 = 1e-6;
-  result.books.edge_work_J = result.books.cutting_work_J = 100.0;
+  result.figures.complete = true;
+  result.figures.peak_rendered_N = 120.0;
+  result.figures.removed_m3 = result.carved_m3 = 1e-6;
+  result.figures.edge_work_J = result.figures.cutting_work_J = 100.0;
   return result;
 }
 
@@ -62,21 +62,21 @@ TEST(Soak, FindsEachDefectOfAnEpisode) {
               Contains(HasSubstr("not injected")));
   EXPECT_THAT(judged([](R& r) { r.faults.clear(); }, silent), Contains(HasSubstr("no fault, injected")));
   EXPECT_THAT(judged([](R& r) { r.ended = "fault"; }, reaming), Contains(HasSubstr("ended: fault")));
-  EXPECT_THAT(judged([](R& r) { r.books.missing_ticks = 1; }, reaming),
+  EXPECT_THAT(judged([](R& r) { r.figures.missing_ticks = 1; }, reaming),
               Contains(HasSubstr("misses 1 ticks")));
-  EXPECT_THAT(judged([](R& r) { r.books.complete = false; }, reaming), Contains(HasSubstr("its end")));
-  EXPECT_THAT(judged([](R& r) { r.books.peak_rendered_N = 200.1; }, reaming),
+  EXPECT_THAT(judged([](R& r) { r.figures.complete = false; }, reaming), Contains(HasSubstr("its end")));
+  EXPECT_THAT(judged([](R& r) { r.figures.peak_rendered_N = 200.1; }, reaming),
               Contains(HasSubstr("rendered")));
-  EXPECT_THAT(judged([](R& r) { r.books.rest_error_m = 1e-3; }, reaming), Contains(HasSubstr("at rest")));
-  EXPECT_THAT(judged([](R& r) { r.books.momentum_residual = 0.03; }, reaming),
+  EXPECT_THAT(judged([](R& r) { r.figures.rest_error_m = 1e-3; }, reaming), Contains(HasSubstr("at rest")));
+  EXPECT_THAT(judged([](R& r) { r.figures.momentum_residual = 0.03; }, reaming),
               Contains(HasSubstr("momentum")));
-  EXPECT_THAT(judged([](R& r) { r.books.edge_work_J = 80.0; }, reaming), Contains(HasSubstr("energy")));
+  EXPECT_THAT(judged([](R& r) { r.figures.edge_work_J = 80.0; }, reaming), Contains(HasSubstr("energy")));
   EXPECT_THAT(judged([](R& r) { r.carved_m3 *= 1.01; }, reaming), Contains(HasSubstr("volume")));
   EXPECT_THAT(judged([](R& r) { r.carved_m3 += 10e-9; }, EpisodeKind::kArmSilent), IsEmpty())
       << "a frame that nobody saw";
   EXPECT_THAT(judged([](R& r) { r.carved_m3 -= 10e-9; }, EpisodeKind::kArmSilent),
               Contains(HasSubstr("volume")));
-  EXPECT_THAT(judged([](R& r) { r.books.removed_falls = true; }, reaming), Contains(HasSubstr("fell")));
+  EXPECT_THAT(judged([](R& r) { r.figures.removed_falls = true; }, reaming), Contains(HasSubstr("fell")));
   EXPECT_THAT(judged([](R& r) { r.hash = 18; }, EpisodeKind::kReference), Contains(HasSubstr("drifted")));
 }
 
@@ -97,8 +97,8 @@ TEST(Soak, AShortSoakHasNoDefectsAndWritesPageAndJson) {
   ASSERT_GE(episodes->size(), 2u);
   for (const EpisodeResult& result : *episodes) {
     EXPECT_THAT(result.wrong, IsEmpty()) << result.episode.text;
-    EXPECT_GT(result.books.rendered_s, 5.0);
-    EXPECT_GT(result.books.cutting_work_J, 0.0);
+    EXPECT_GT(result.figures.rendered_s, 5.0);
+    EXPECT_GT(result.figures.cutting_work_J, 0.0);
   }
   const nlohmann::json json = nlohmann::json::parse(SoakJson(*episodes, options));
   EXPECT_EQ(json.at("schema"), "osteon.soak/1");

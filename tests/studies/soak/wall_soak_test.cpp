@@ -94,13 +94,13 @@ WallResult FaultlessEpisode(WallEvent event) {
   result.outcome.half = {.memory_MB = 100.0};
   for (ProcessUse& use : result.outcome.use) use = {.memory_MB = 110.0, .files = 20, .threads = 30};
   result.ended = "completed";
-  result.ticks = result.books.ticks = 20000;
+  result.ticks = result.figures.ticks = 20000;
   result.removed_mm3 = 6860.0;
   result.depth_mm = 8.356;
-  result.books.removed_m3 = 6860e-9;
-  result.books.complete = true;
-  result.books.peak_rendered_N = 120.0;
-  result.books.edge_work_J = result.books.cutting_work_J = 100.0;
+  result.figures.removed_m3 = 6860e-9;
+  result.figures.complete = true;
+  result.figures.peak_rendered_N = 120.0;
+  result.figures.edge_work_J = result.figures.cutting_work_J = 100.0;
   if (event == WallEvent::kTools) result.passes = kToolsOfPlan;
   if (event == WallEvent::kHaltedCell) result.faults = {"arm message stale"};
   if (!IsKill(event)) return result;
@@ -112,7 +112,7 @@ WallResult FaultlessEpisode(WallEvent event) {
   result.ended = "";
   result.outcome.exit = 137;
   result.faults = {};
-  result.books.complete = false;
+  result.figures.complete = false;
   return result;
 }
 
@@ -141,27 +141,27 @@ TEST(WallSoak, FindsEachDefectOfAnEpisode) {
   expect_finding(
       reaming, [](R& r) { r.outcome.exit = 139; }, "ended with 139");
   expect_finding(
-      reaming, [](R& r) { r.books.complete = false; }, "no end");
+      reaming, [](R& r) { r.figures.complete = false; }, "no end");
   expect_finding(
-      reaming, [](R& r) { r.books.missing_ticks = 2; }, "misses 2 ticks");
+      reaming, [](R& r) { r.figures.missing_ticks = 2; }, "misses 2 ticks");
   expect_finding(
       reaming, [](R& r) { r.dropped_records = 1; }, "1 records were dropped");
   expect_finding(
-      reaming, [](R& r) { r.books.peak_rendered_N = 200.1; }, "200.1 N");
+      reaming, [](R& r) { r.figures.peak_rendered_N = 200.1; }, "200.1 N");
   expect_finding(
-      reaming, [](R& r) { r.books.max_model_age_s = 0.3; }, "300 ms");
+      reaming, [](R& r) { r.figures.max_model_age_s = 0.3; }, "300 ms");
   expect_finding(
-      reaming, [](R& r) { r.books.max_sensor_age_s = 0.2; }, "200 ms");
+      reaming, [](R& r) { r.figures.max_sensor_age_s = 0.2; }, "200 ms");
   expect_finding(
-      reaming, [](R& r) { r.books.momentum_residual = 0.03; }, "momentum");
+      reaming, [](R& r) { r.figures.momentum_residual = 0.03; }, "momentum");
   expect_finding(
-      reaming, [](R& r) { r.books.edge_work_J = 90.0; }, "energy");
+      reaming, [](R& r) { r.figures.edge_work_J = 90.0; }, "energy");
   expect_finding(
       reaming, [](R& r) { r.cutting_debt_J = 5.0; }, "energy");
   expect_finding(
-      reaming, [](R& r) { r.books.removed_falls = true; }, "fell");
+      reaming, [](R& r) { r.figures.removed_falls = true; }, "fell");
   expect_finding(
-      reaming, [](R& r) { r.books.rest_error_m = 1e-3; }, "at rest");
+      reaming, [](R& r) { r.figures.rest_error_m = 1e-3; }, "at rest");
   expect_finding(
       reaming, [](R& r) { r.removed_mm3 += 1.0; }, "in the summary");
   expect_finding(
@@ -169,7 +169,7 @@ TEST(WallSoak, FindsEachDefectOfAnEpisode) {
   expect_finding(
       reaming, [](R& r) { r.outcome.messages[1] = 0; }, "page 2 got nothing");
   expect_finding(
-      WallEvent::kPages, [](R& r) { r.removed_mm3 = 1e9 * (r.books.removed_m3 *= 1.02); }, "by the first");
+      WallEvent::kPages, [](R& r) { r.removed_mm3 = 1e9 * (r.figures.removed_m3 *= 1.02); }, "by the first");
   expect_finding(
       WallEvent::kHaltedCell, [](R& r) { r.faults.clear(); }, "no fault, injected");
   expect_finding(

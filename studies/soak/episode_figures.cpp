@@ -1,4 +1,4 @@
-#include "studies/soak/episode_books.h"
+#include "studies/soak/episode_figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,19 +14,19 @@ class TickTotals {
  public:
   TickTotals(const control::AdmittanceParams& law, double period_s) : law_(&law), period_s_(period_s) {}
 
-  void Add(const control::TickRecord& tick, EpisodeBooks& books) {
-    ++books.ticks;
-    if (has_last_ && tick.tick > last_.tick + 1) books.missing_ticks += tick.tick - last_.tick - 1;
+  void Add(const control::TickRecord& tick, EpisodeFigures& figures) {
+    ++figures.ticks;
+    if (has_last_ && tick.tick > last_.tick + 1) figures.missing_ticks += tick.tick - last_.tick - 1;
     const Pose X_cmd(tick.X_WT_cmd), X_meas(tick.X_WT_meas);
-    books.rest_error_m = (X_cmd.translation() - X_meas.translation()).norm();
+    figures.rest_error_m = (X_cmd.translation() - X_meas.translation()).norm();
     if (tick.phase == control::Phase::kHaptic) {
-      books.rendered_s += period_s_;
-      books.max_model_age_s = std::max(books.max_model_age_s, tick.model_age_s);
-      books.max_sensor_age_s = std::max(books.max_sensor_age_s, tick.sensor_age_s);
-      books.max_tracking_m = std::max(books.max_tracking_m, books.rest_error_m);
-      books.min_tank_J = std::min(books.min_tank_J, tick.tank_J);
+      figures.rendered_s += period_s_;
+      figures.max_model_age_s = std::max(figures.max_model_age_s, tick.model_age_s);
+      figures.max_sensor_age_s = std::max(figures.max_sensor_age_s, tick.sensor_age_s);
+      figures.max_tracking_m = std::max(figures.max_tracking_m, figures.rest_error_m);
+      figures.min_tank_J = std::min(figures.min_tank_J, tick.tank_J);
     }
-    books.peak_rendered_N = std::max(books.peak_rendered_N, Wrench(tick.F_coupling_T_W).f.norm());
+    figures.peak_rendered_N = std::max(figures.peak_rendered_N, Wrench(tick.F_coupling_T_W).f.norm());
     AddMomentum(tick);
     last_ = tick;
     has_last_ = true;
@@ -66,11 +66,12 @@ class TickTotals {
 
 }  // namespace
 
-tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& recording,
-                                                  const control::AdmittanceParams& law, double period_s) {
+tl::expected<EpisodeFigures, std::string> ReadEpisodeFigures(const std::filesystem::path& recording,
+                                                             const control::AdmittanceParams& law,
+                                                             double period_s) {
   auto stream = io::RecordingStream::Open(recording);
   if (!stream) return tl::make_unexpected(stream.error());
-  EpisodeBooks books{.min_tank_J = std::numeric_limits<double>::infinity()};
+  EpisodeFigures figures{.min_tank_J = std::numeric_limits<double>::infinity()};
   TickTotals ticks(law, period_s);
   double spindle_rad_per_s = 0.0;
   rt::Nanoseconds frame_stamp = 0;
@@ -79,24 +80,24 @@ tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& r
     if (!topic) return tl::make_unexpected(topic.error());
     if (*topic == io::RecordedTopic::kOther) break;
     if (*topic == io::RecordedTopic::kTick) {
-      ticks.Add(stream->tick, books);
+      ticks.Add(stream->tick, figures);
       spindle_rad_per_s = std::abs(stream->tick.input.spindle_meas_rad_per_s);
     }
     if (*topic != io::RecordedTopic::kFrame) continue;
     const simulation::ContactModel& model = stream->frame.model;
-    ++books.frames;
+    ++figures.frames;
     // Work of the edge since the previous frame: torque × speed in the latest tick × time.
     if (frame_stamp > 0)
-      books.edge_work_J +=
+      figures.edge_work_J +=
           model.spindle_torque_Nm * spindle_rad_per_s * rt::ToSeconds(model.pose_stamp - frame_stamp);
     frame_stamp = model.pose_stamp;
-    books.removed_falls |= model.removed_volume_m3 < books.removed_m3;
-    books.removed_m3 = model.removed_volume_m3;
-    books.cutting_work_J = model.cutting_work_J;
+    figures.removed_falls |= model.removed_volume_m3 < figures.removed_m3;
+    figures.removed_m3 = model.removed_volume_m3;
+    figures.cutting_work_J = model.cutting_work_J;
   }
-  books.complete = stream->complete();
-  books.momentum_residual = ticks.momentum_residual();
-  return books;
+  figures.complete = stream->complete();
+  figures.momentum_residual = ticks.momentum_residual();
+  return figures;
 }
 
 }  // namespace osteon::studies

@@ -18,7 +18,7 @@ namespace osteon::studies {
 /// A run of the shipped servo loop on compliant bone with one of the two laws. The admittance law moves an
 /// arm that follows positions (hil/arm/servo_arm.h). The impedance law acts through a wrench overlay on an
 /// arm with masses (hil/arm/dynamic_arm.h). Laws, limits, depth limit and compliance are the loop's own.
-struct LawRideParams {
+struct LawTrialParams {
   /// Law and gains, compliance, depth limit, spindle. The bench itself sets the arm's limits and a wide
   /// workspace.
   control::ServoParams loop{};
@@ -26,7 +26,7 @@ struct LawRideParams {
 };
 
 /// The state after one millisecond.
-struct LawRideTick {
+struct LawTrialTick {
   Pose X_WT{Pose::Identity()};  ///< the tool's true pose
   /// Pose of the tool's head in the world that moves with the bone, as the simulation gets it.
   Pose X_ME{Pose::Identity()};
@@ -43,7 +43,7 @@ struct LawScene {
   /// The newest frame, for the command of the previous tick. The bench sets the frame's stamp.
   std::function<simulation::ContactModel(const simulation::ToolCommand& command)> bone;
   /// Called after each tick; may be empty. Returns false to end the run.
-  std::function<bool(int tick, const LawRideTick& state)> seen{};
+  std::function<bool(int tick, const LawTrialTick& state)> seen{};
 };
 
 /// Returns the gains with which the shipped cells render bone of `stiffness_N_per_m` under a law, without
@@ -51,10 +51,10 @@ struct LawScene {
 [[nodiscard]] control::ServoParams LoopOfLaw(control::Law law, double stiffness_N_per_m);
 
 /// The pose of the tool at which every run begins, at rest.
-[[nodiscard]] Pose StartOfLawRide();
-/// The bone's frame G at StartOfLawRide: its origin is the tool's apex, +z points against the feed, x along
+[[nodiscard]] Pose StartOfLawTrial();
+/// The bone's frame G at StartOfLawTrial: its origin is the tool's apex, +z points against the feed, x along
 /// the tool's x.
-[[nodiscard]] Pose BoneOfLawRide();
+[[nodiscard]] Pose BoneOfLawTrial();
 
 /// A push that rises from zero to its full force.
 [[nodiscard]] inline double RisingPush(double full_N, double time_s, double rise_s) {
@@ -76,6 +76,6 @@ class PushingHand {
 };
 
 /// Simulates the run. Deterministic. @returns the faults that the loop has latched
-[[nodiscard]] safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene);
+[[nodiscard]] safety::FaultSet RunLawTrial(const LawTrialParams& params, const LawScene& scene);
 
 }  // namespace osteon::studies

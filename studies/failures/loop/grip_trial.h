@@ -10,7 +10,7 @@ namespace osteon::studies {
 /// A run through the servo loop with an arm of 15 Hz: a hand of 300 N/m swings the tool through free space,
 /// at 0.5 Hz over 30 mm; the sensor's noise is 0.1 N rms. At step_s the hand stiffens without a jump of its
 /// wrench, or a clamp closes.
-struct GripRideParams {
+struct GripTrialParams {
   /// The hand, or the clamp, from step_s on.
   hil::GridHand after{"stiff", 6000.0, 13.0, 1.1};
   /// True: a clamp closes and its wrench jumps; false: the hand stiffens and its wrench does not jump.
@@ -24,7 +24,7 @@ struct GripRideParams {
 
 /// The result of the run. Forces are RMS values between 5 and 40 Hz over windows of kWindow_s, one window
 /// every kEvery_s.
-struct GripRide {
+struct GripTrial {
   static constexpr double kWindow_s = 0.2, kEvery_s = 0.02;
   double calm_N{0.0};    ///< largest RMS force of a window that begins at least 0.5 s after the step
   double max_N{0.0};     ///< largest RMS force of any window
@@ -38,6 +38,6 @@ struct GripRide {
 };
 
 /// Simulates the run. Deterministic.
-[[nodiscard]] GripRide RideGrip(const GripRideParams& params);
+[[nodiscard]] GripTrial RunGripTrial(const GripTrialParams& params);
 
 }  // namespace osteon::studies

@@ -1,4 +1,4 @@
-#include "studies/failures/compliance/law_ride.h"
+#include "studies/failures/compliance/law_trial.h"
 
 #include <cmath>
 #include <memory>
@@ -56,14 +56,14 @@ control::ServoParams LoopOfLaw(Law law, double stiffness_N_per_m) {
   return loop;
 }
 
-Pose StartOfLawRide() { return kinematics::LbrArm(ScenarioArm()).FlangePose(Start()) * ScenarioTool(); }
+Pose StartOfLawTrial() { return kinematics::LbrArm(ScenarioArm()).FlangePose(Start()) * ScenarioTool(); }
 
-Pose BoneOfLawRide() { return StartOfLawRide() * Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()); }
+Pose BoneOfLawTrial() { return StartOfLawTrial() * Eigen::AngleAxisd(std::numbers::pi, Vector3::UnitX()); }
 
 PushingHand::PushingHand()
     : hand_(hil::OperatorWith(
           {.name = "stiff", .stiffness_N_per_m = 3000.0, .damping_Ns_per_m = 60.0, .mass_kg = 3.0})),
-      X_start_(StartOfLawRide()) {}
+      X_start_(StartOfLawTrial()) {}
 
 Wrench PushingHand::Step(double push_N, const Pose& X_WT, const Twist& V_WT) {
   const Vector3 feed_W = X_start_.linear().col(2);
@@ -75,7 +75,7 @@ Wrench PushingHand::Step(double push_N, const Pose& X_WT, const Twist& V_WT) {
   return F_T_W;
 }
 
-safety::FaultSet RideLaw(const LawRideParams& params, const LawScene& scene) {
+safety::FaultSet RunLawTrial(const LawTrialParams& params, const LawScene& scene) {
   const kinematics::LbrParams lbr = ScenarioArm();
   const kinematics::LbrArm arm(lbr);
   const bool is_position = params.loop.law == Law::kAdmittance;

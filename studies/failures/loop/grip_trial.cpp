@@ -1,4 +1,4 @@
-#include "studies/failures/loop/grip_ride.h"
+#include "studies/failures/loop/grip_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
 
 }  // namespace
 
-GripRide RideGrip(const GripRideParams& params) {
-  ArmRideParams arm;
+GripTrial RunGripTrial(const GripTrialParams& params) {
+  ArmTrialParams arm;
   arm.arm = ScenarioArm();
   arm.X_FT = ScenarioTool();
   arm.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
@@ -71,8 +71,8 @@ GripRide RideGrip(const GripRideParams& params) {
           },
       .sensor = [&](int tick, const Pose&, const Wrench& F) { return ReadBy(sensor, tick, F); }};
 
-  GripRide result;
-  for (const ArmRideTick& tick : RideServoLoop(arm, scene)) {
+  GripTrial result;
+  for (const ArmTrialTick& tick : RunLoopTrial(arm, scene)) {
     result.fault |= tick.fault;
     result.index = std::max(result.index, tick.vibration_index);
     result.indices.push_back(tick.vibration_index);
@@ -80,8 +80,8 @@ GripRide RideGrip(const GripRideParams& params) {
     result.damping_factors.push_back(tick.damping_factor);
     if (tick.damping_factor > 2.0) result.heavy_s += kDt_s;
   }
-  const auto window = static_cast<std::size_t>(GripRide::kWindow_s / kDt_s),
-             every = static_cast<std::size_t>(GripRide::kEvery_s / kDt_s);
+  const auto window = static_cast<std::size_t>(GripTrial::kWindow_s / kDt_s),
+             every = static_cast<std::size_t>(GripTrial::kEvery_s / kDt_s);
   for (std::size_t i = 0; i + window <= hand_forces.size(); i += every) {
     const double effective_N = RmsInBand(hand_forces, i, window, kLow_hz, kHigh_hz, kDt_s);
     result.window_N.push_back(effective_N);

@@ -33,9 +33,9 @@ struct ToolFrame {
 /// out. If a frame turns the tool much, interpolated poses are added, as in the engine. Batches of sixteen
 /// frames are thinned to 5 um. Skipped frames are replaced by a straight path. Frames in which the tool moves
 /// by less than a micrometre are skipped.
-class ToolWays {
+class ToolSweep {
  public:
-  ToolWays(const simulation::Tool& tool, const Pose& X_WG);
+  ToolSweep(const simulation::Tool& tool, const Pose& X_WG);
 
   static constexpr int kBatchFrames = 16;
   static constexpr double kTolerance_m = 5e-6;
@@ -53,9 +53,9 @@ class ToolWays {
 
  private:
   // Appends a frame's poses: interpolated poses up to the pose after the slide, then the new proxy.
-  void AddWay(const Pose& slid, const Pose& X_GP);
+  void AddPath(const Pose& slid, const Pose& X_GP);
   // Thins the collected path and appends its capsules. A new path then starts.
-  void EndWay();
+  void EndPath();
 
   Pose X_GW_;
   std::vector<simulation::ToolBall> cutters_;

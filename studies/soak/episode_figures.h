@@ -12,7 +12,7 @@ namespace osteon::studies {
 
 /// Figures of a run from its recording: whether the recording is complete, the largest values, and the sums
 /// for the balances of momentum, energy and volume.
-struct EpisodeBooks {
+struct EpisodeFigures {
   bool complete{false};  ///< whether the file has a proper end
   std::uint64_t ticks{0}, frames{0};
   /// Number of ticks that are missing between recorded ticks.
@@ -43,8 +43,7 @@ struct EpisodeBooks {
 /// Reads a recording, one message after the other. @param law  admittance law of the cell
 /// @param period_s  period of the cell's loop
 /// @returns an error that names the file.
-[[nodiscard]] tl::expected<EpisodeBooks, std::string> ReadBooks(const std::filesystem::path& recording,
-                                                                const control::AdmittanceParams& law,
-                                                                double period_s);
+[[nodiscard]] tl::expected<EpisodeFigures, std::string> ReadEpisodeFigures(
+    const std::filesystem::path& recording, const control::AdmittanceParams& law, double period_s);
 
 }  // namespace osteon::studies

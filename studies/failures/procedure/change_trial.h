@@ -10,7 +10,7 @@ namespace osteon::studies {
 
 /// A run in which a servo loop renders in free space, is paused, switches to the second tool of its table,
 /// and resumes. The arm follows each command a tick later; nobody holds the tool.
-struct ChangeRideParams {
+struct ChangeTrialParams {
   std::vector<control::LoopTool> tools;  ///< the loop's table: the first and the second tool
   /// False (a baseline): the loop keeps the first tool's entry, although the second tool is mounted.
   bool changes_entry{true};
@@ -19,7 +19,7 @@ struct ChangeRideParams {
 };
 
 /// The result of the run. "Before" and "after" are the ticks directly before and after the change.
-struct ChangeRide {
+struct ChangeTrial {
   /// Commanded joints [rad].
   kinematics::JointVector q_before{kinematics::JointVector::Zero()}, q_after{kinematics::JointVector::Zero()};
   Pose X_before{Pose::Identity()}, X_after{Pose::Identity()};  ///< commanded pose of the tool, in W
@@ -28,7 +28,7 @@ struct ChangeRide {
 };
 
 /// Simulates the run. Deterministic.
-[[nodiscard]] ChangeRide RideChange(const ChangeRideParams& params);
+[[nodiscard]] ChangeTrial RunChangeTrial(const ChangeTrialParams& params);
 
 /// A reamer on the flange; its length to the apex grows with its radius. @param mass_kg  mass that the sensor
 /// carries

@@ -9,8 +9,8 @@
 #include "control/compliance/compliance.h"
 #include "control/laws/twist_parts.h"
 
-// A ride is a smooth random motion of a compliant tool against elastic planes, which begins and ends at rest.
-// The tests check with rides that a motion never takes out more energy than it has put in.
+// A random motion is a smooth motion of a compliant tool against elastic planes, which begins and ends at
+// rest. The tests check with such motions that a tool never takes out more energy than it has put in.
 
 namespace osteon::control {
 
@@ -39,11 +39,11 @@ inline Wrench PlaneWrench(const std::vector<SpringPlane>& planes, const Pose& X_
   return F;
 }
 
-/// The tool's pose over time in a ride. Each axis follows the sum of three random sine waves (0.3 to 8 Hz),
-/// multiplied by a window that is zero at both ends.
-class SmoothRide {
+/// The tool's pose over time in a random motion. Each axis follows the sum of three random sine waves (0.3 to
+/// 8 Hz), multiplied by a window that is zero at both ends.
+class RandomMotion {
  public:
-  SmoothRide(std::mt19937_64& bits, double seconds, double travel_m, double turn_rad) : seconds_(seconds) {
+  RandomMotion(std::mt19937_64& bits, double seconds, double travel_m, double turn_rad) : seconds_(seconds) {
     std::uniform_real_distribution<double> hz(0.3, 8.0), phase(0.0, 2.0 * std::numbers::pi), size(-1.0, 1.0);
     for (std::size_t axis = 0; axis < 6; ++axis)
       for (Wave& wave : waves_[axis])
@@ -71,24 +71,24 @@ class SmoothRide {
   double seconds_;
 };
 
-/// The work and the energy balance of a ride.
-struct RideEnergy {
-  double work_J{0.0};         ///< work that the ride has put into the compliant parts and planes
-  double min_balance_J{0.0};  ///< smallest value of work minus stored energy during the ride
+/// The work and the energy balance of a motion.
+struct MotionEnergy {
+  double work_J{0.0};         ///< work that the motion has put into the compliant parts and planes
+  double min_balance_J{0.0};  ///< smallest value of work minus stored energy during the motion
 };
 
-/// Moves the tool along a ride, tick by tick.
+/// Moves the tool along a motion, tick by tick.
 /// @param stored_in  returns the energy [J] that the elements of a Compliance store
 template <class StoredIn>
-RideEnergy RunRide(Compliance& compliance, const std::vector<SpringPlane>& planes, const SmoothRide& ride,
-                   const simulation::ContactModel& model, double seconds, double period_s,
-                   const StoredIn& stored_in) {
-  RideEnergy energy;
+MotionEnergy RunMotion(Compliance& compliance, const std::vector<SpringPlane>& planes,
+                       const RandomMotion& motion, const simulation::ContactModel& model, double seconds,
+                       double period_s, const StoredIn& stored_in) {
+  MotionEnergy energy;
   Wrench before;
-  Pose X_before = ride.At(0.0);
+  Pose X_before = motion.At(0.0);
   const int ticks = static_cast<int>(std::round(seconds / period_s));
   for (int i = 0; i <= ticks; ++i) {
-    const Pose X_WT = ride.At(i * period_s);
+    const Pose X_WT = motion.At(i * period_s);
     double stored_J = 0.0;
     const Wrench F_E_M = PlaneWrench(planes, compliance.X_ME(X_WT), stored_J);
     const Wrench F_T_W = compliance.OnTool(F_E_M, X_WT);

@@ -1,4 +1,4 @@
-#include "simulation/surface/tool_ways.h"
+#include "simulation/surface/tool_sweep.h"
 
 #include <algorithm>
 #include <numbers>
@@ -48,7 +48,7 @@ ToolFrame MakeToolFrame(const simulation::ContactModel& model, double spindle_ra
           .pose_stamp = model.pose_stamp};
 }
 
-ToolWays::ToolWays(const simulation::Tool& tool, const Pose& X_WG)
+ToolSweep::ToolSweep(const simulation::Tool& tool, const Pose& X_WG)
     : X_GW_(X_WG.inverse()), lever_m_(simulation::ToolLever(tool)) {
   std::vector<simulation::ToolBall> balls;
   for (const simulation::ToolBall& ball : tool.balls)
@@ -59,12 +59,12 @@ ToolWays::ToolWays(const simulation::Tool& tool, const Pose& X_WG)
     if (!IsCovered(ball, cutters_)) cutters_.push_back(ball);
 }
 
-bool ToolWays::Add(const ToolFrame& frame) {
+bool ToolSweep::Add(const ToolFrame& frame) {
   const Pose X_GP = X_GW_ * Pose(frame.X_WP);
   if (frame.frame == 0 || !X_GP.matrix().allFinite()) return false;
   frame_ = frame.frame;
   if (!frame.cuts || !X_GP_) {
-    EndWay();
+    EndPath();
     X_GP_ = X_GP;
     return !capsules_.empty();
   }
@@ -72,13 +72,13 @@ bool ToolWays::Add(const ToolFrame& frame) {
   Pose slid = X_GP;
   const Vector3 p_GS = X_GW_ * Vector3(frame.p_WS_m);
   if (p_GS.allFinite()) slid.translation() = p_GS;
-  if (!Dwells(lever_m_, *X_GP_, slid) || !Dwells(lever_m_, *X_GP_, X_GP)) AddWay(slid, X_GP);
+  if (!Dwells(lever_m_, *X_GP_, slid) || !Dwells(lever_m_, *X_GP_, X_GP)) AddPath(slid, X_GP);
   if (++frames_ < kBatchFrames) return false;
-  EndWay();
+  EndPath();
   return true;
 }
 
-void ToolWays::AddWay(const Pose& slid, const Pose& X_GP) {
+void ToolSweep::AddPath(const Pose& slid, const Pose& X_GP) {
   if (way_.empty()) way_.push_back(*X_GP_);
   const int parts = simulation::SubframeCount(lever_m_, *X_GP_, slid);
   for (int k = 1; k < parts; ++k) way_.push_back(simulation::PoseBetween(*X_GP_, slid, k, parts));
@@ -87,7 +87,7 @@ void ToolWays::AddWay(const Pose& slid, const Pose& X_GP) {
   X_GP_ = X_GP;
 }
 
-void ToolWays::EndWay() {
+void ToolSweep::EndPath() {
   for (const simulation::ToolBall& ball : cutters_) {
     std::vector<Vector3> centres;
     centres.reserve(way_.size());
@@ -102,8 +102,8 @@ void ToolWays::EndWay() {
   frames_ = 0;
 }
 
-std::vector<Capsule> ToolWays::TakeCapsules() {
-  EndWay();
+std::vector<Capsule> ToolSweep::TakeCapsules() {
+  EndPath();
   return std::exchange(capsules_, {});
 }
 

@@ -1,4 +1,4 @@
-#include "studies/failures/procedure/change_ride.h"
+#include "studies/failures/procedure/change_trial.h"
 
 #include "control/laws/admittance_law.h"
 #include "studies/failures/arm_bench.h"
@@ -20,7 +20,7 @@ control::LoopTool ReamerOnFlange(double diameter_m, double mass_kg) {
   return tool;
 }
 
-ChangeRide RideChange(const ChangeRideParams& params) {
+ChangeTrial RunChangeTrial(const ChangeTrialParams& params) {
   const kinematics::LbrArm arm(ScenarioArm());
   kinematics::JointVector q_start;
   q_start << 0.1, 0.5, 0.05, -1.4, 0.1, 0.9, 0.2;
@@ -75,22 +75,22 @@ ChangeRide RideChange(const ChangeRideParams& params) {
   loop.RequestPause();
   run(kPause);
 
-  ChangeRide ride;
-  ride.q_before = Eigen::Map<const kinematics::JointVector>(record.q_cmd.data());
-  ride.X_before = record.X_WT_cmd;
+  ChangeTrial trial;
+  trial.q_before = Eigen::Map<const kinematics::JointVector>(record.q_cmd.data());
+  trial.X_before = record.X_WT_cmd;
   carried_kg += params.mounted_kg;
   if (params.changes_entry) loop.RequestTool(1);
   tick();
-  ride.q_after = Eigen::Map<const kinematics::JointVector>(record.q_cmd.data());
-  ride.X_after = record.X_WT_cmd;
+  trial.q_after = Eigen::Map<const kinematics::JointVector>(record.q_cmd.data());
+  trial.X_after = record.X_WT_cmd;
   loop.RequestResume();
   const int after = static_cast<int>(params.seconds_after / 1e-3);
   for (int i = 0; i < after; ++i) {
     tick();
-    ride.speed_mm_per_s.push_back(1e3 * Vector3(record.v_WT_cmd_m_per_s).norm());
+    trial.speed_mm_per_s.push_back(1e3 * Vector3(record.v_WT_cmd_m_per_s).norm());
   }
-  ride.fault = loop.faults().Any();
-  return ride;
+  trial.fault = loop.faults().Any();
+  return trial;
 }
 
 }  // namespace osteon::studies
