@@ -59,8 +59,7 @@ tl::expected<std::vector<session::WrittenStop>, std::string> WriteStops(
     const std::vector<TickRecord>& ticks, const std::filesystem::path& folder,
     const std::vector<io::RecordedEvent>& events = {}) {
   const config::CellConfig cell = Cell();
-  session::StopPages pages(
-      {.folder = folder, .stem = "finished", .cell = cell, .recording = "finished.mcap"});
+  session::StopPages pages({.folder = folder, .stem = "demo", .cell = cell, .recording = "demo.mcap"});
   io::SessionInfo session;
   session.force_limit_N = 150.0;
   for (const TickRecord& tick : ticks) pages.Add(session, tick);
@@ -199,11 +198,11 @@ TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
         "shown.",
         "<h2>What led to the stop</h2>", "Age of the PLC", "State of the arm",
         "time since the stop began [s]", "the PLC withdrew its permission", "limit 150 N",
-        "<pre>osteon view finished.mcap --at 7.5</pre>",
-        "<a href=\"./ride_stop_1_ticks.csv\">ride_stop_1_ticks.csv</a>", "</html>"})
+        "<pre>osteon view demo.mcap --at 7.5</pre>",
+        "<a href=\"./demo_stop_1_ticks.csv\">demo_stop_1_ticks.csv</a>", "</html>"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(pages->front().heading, "What led to the stop");
-  EXPECT_EQ(pages->front().ticks, folder.path() / "ride_stop_1_ticks.csv");
+  EXPECT_EQ(pages->front().ticks, folder.path() / "demo_stop_1_ticks.csv");
   EXPECT_EQ(report::MarkupError(page), "");
 
   // the second page reports the end of the run, which is not a fault
@@ -214,14 +213,14 @@ TEST(StopRecords, AreEachAPageAndATableThatReplaceAnEarlierRuns) {
     EXPECT_NE(end.find(part), std::string::npos) << part;
   EXPECT_EQ(end.find("What led to the stop"), std::string::npos);
   EXPECT_EQ(pages->back().heading, "How the run ended");
-  const std::string table = io::test::ReadAll(folder.path() / "ride_stop_1_ticks.csv");
+  const std::string table = io::test::ReadAll(folder.path() / "demo_stop_1_ticks.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 9101 - 3500);
 
   ticks.resize(9000);
   ASSERT_TRUE(WriteStops(ticks, folder.path()));
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_1.html"));
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2.html")) << "nobody asked to remove it";
-  EXPECT_TRUE(std::filesystem::exists(folder.path() / "ride_stop_2_ticks.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "demo_stop_1.html"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "demo_stop_2.html")) << "nobody asked to remove it";
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "demo_stop_2_ticks.csv"));
 }
 
 // The page must say which part of the stop the recording does not show, and why.
@@ -244,7 +243,7 @@ TEST(StopRecords, SayWhyTheArmIsNotShownAtRest) {
 TEST(StopRecords, AMissingFolderIsNamed) {
   const auto pages = WriteStops(TwoStops(), "/nowhere");
   ASSERT_FALSE(pages);
-  EXPECT_NE(pages.error().find("/nowhere/ride_stop_1_ticks.csv"), std::string::npos) << pages.error();
+  EXPECT_NE(pages.error().find("/nowhere/demo_stop_1_ticks.csv"), std::string::npos) << pages.error();
 }
 
 // The documented table must equal the one that the code prints.
