@@ -23,6 +23,8 @@ bool FollowsFromLateness(std::string_view fault) {
 // Whether this fault reports that a message or a contact model came too late.
 // @param seen  its description in the summary
 bool SaysTooLate(std::string_view fault, std::string_view seen) {
+  // drive and PLC reported nothing wrong: only the age of their message is left as the reason
+  if (seen.starts_with("ready; ") || seen.starts_with("permitted; ")) return true;
   if (fault == "spindle drive fault" || fault == "motion not permitted")
     return std::ranges::any_of(kSilences,
                                [&](const char* words) { return seen.find(words) != std::string_view::npos; });

@@ -28,6 +28,8 @@ TEST(MachineLateness, ExcusesAStallOfAMachineThatWasLate) {
   EXPECT_TRUE(MachineWasLate(
       EndedWith(1), Faults({"spindle drive fault"}, "a fault: heartbeat lost: none came in time (bit 0)"),
       kLateWakeup));
+  EXPECT_TRUE(MachineWasLate(EndedWith(1), Faults({"spindle drive fault"}, "ready; its status: 103 ms old"),
+                             kLateWakeup));
   EXPECT_TRUE(MachineWasLate(EndedWith(1), Faults({"motion not permitted"}, "no connection to the PLC"),
                              kLateWakeup));
 }

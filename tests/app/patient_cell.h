@@ -10,7 +10,7 @@ namespace osteon::app {
 
 /// Writes a shipped cell with an FRI arm and wide limits of time, for tests in wall time whose subject is not
 /// lateness. With the shipped limits, a machine that wakes a thread 25 ms late ends a run; with these, it may
-/// be 250 ms late (the PLC's limit for a heartbeat).
+/// be 150 ms late (the drive's limit for a heartbeat).
 /// @param folder   where the file is written, as patient_SHIPPED.yaml
 /// @param shipped  name of a cell under config/cells
 /// @param more     further values that differ from the shipped cell

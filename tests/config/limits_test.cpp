@@ -31,6 +31,14 @@ TEST(Limits, AreReadAndScaledToTheTool) {
   EXPECT_EQ(servo.depth.soft_m, 4e-3);
 }
 
+// `drive: lost_ms` limits the status's age both in the drive's client and in the loop.
+TEST(Limits, ALostDriveIsThatOfClientAndLoop) {
+  const CellConfig cell = LoadText(With(CellText("demo"), "lost_ms: 100", "lost_ms: 400"));
+  EXPECT_DOUBLE_EQ(cell.servo.watchdog.spindle_stop_s, 0.4);
+  EXPECT_EQ(cell.devices.drive->missed_cycles * cell.devices.drive->cycle, 400 * rt::kMillisecond);
+  EXPECT_EQ(LoadText(CellText("demo")).servo.watchdog.spindle_stop_s, 0.1);
+}
+
 TEST(Limits, AreUnlimitedWhereACellDoesNotNameThem) {
   std::string text = CellText("demo");
   // removes the text between `from` (included) and `to` (not included)

@@ -201,7 +201,7 @@ async function pressUntilDone(page, id, promise) {
 }
 /** Presses Stop until the demo has ended, and says yes: Stop asks while the cell cuts. @returns exit code and output of the demo */
 function stops(page, run) {
-  page.on("dialog", (dialog) => void dialog.accept());
+  page.off("dialog").on("dialog", (dialog) => void dialog.accept());
   return pressUntilDone(page, "stop", run.ended);
 }
 
@@ -348,7 +348,7 @@ async function operatesAProcedure() {
   assert.deepEqual(await clipped(page), []);
   await pressUntil(page, "next-tool", answers("not paused"));
   // Finish asks for confirmation, and its question names what is left of the plan; the test declines
-  const asked = new Promise((resolve) => page.once("dialog", (dialog) => void dialog.dismiss().then(() => resolve(dialog.message()))));
+  const asked = new Promise((resolve) => page.on("dialog", (dialog) => void dialog.dismiss().then(() => resolve(dialog.message()))));
   assert.match(await pressUntilDone(page, "finish", asked), /no pass of its last tool, 50 mm, counts/);
   assert.ok((await page.evaluate('document.getElementById("score").innerText')).includes("known once a pass has ended"));
   await press(page, "undo-pass");

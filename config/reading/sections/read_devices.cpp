@@ -84,8 +84,9 @@ void ReadDrive(Reader section, CellConfig& cell) {
   io::ReamerDriveParams& drive = cell.devices.drive.emplace();
   drive.node = static_cast<std::uint8_t>(section.WholeNumber("node_count", 1, 126));
   drive.cycle = ToNanoseconds(section.Number("cycle_ms", 1, 50));
-  drive.missed_cycles = static_cast<int>(
-      std::lround(1e9 * section.Number("lost_ms", 5, 1000) / static_cast<double>(drive.cycle)));
+  const double lost_s = section.Number("lost_ms", 5, 1000);
+  drive.missed_cycles = static_cast<int>(std::lround(1e9 * lost_s / static_cast<double>(drive.cycle)));
+  cell.servo.watchdog.spindle_stop_s = lost_s;
   cell.simulated_devices.drive.emplace().node = drive.node;
 }
 
