@@ -32,8 +32,8 @@ struct RecordedBoneParams {
 /// the bricks that have changed. The surface is coarser than the console's, so that it adds little to a
 /// recording.
 ///
-///     frame ─▶ BatchedSweep ─▶ batches ─┐ state is due              ┌─▶ Take: message for the file
-///                                      └─▶ own thread: carve, mesh ┘
+///     frame ─▶ BatchedSweep ─▶ batches ─┐ state is due             ┌─▶ Take: message for the file
+///                                       └─▶ own thread: carve, mesh ┘
 ///
 /// If a state is due while the previous one is still being made, it is begun later, so the caller never
 /// waits. In a procedure's session the batches that touched bone are kept (some 3 MB for an hour of reaming).

@@ -32,8 +32,7 @@ struct BoneHistory {
   /// recordings, which takes seconds for an hour of them. Empty function: there are no earlier recordings.
   /// @throws std::runtime_error that names the file and the reason
   std::function<void(surface::CarvedField&)> carve_earlier{};
-  /// Returns the passes that are undone at the time of the call. Empty function: no pass is ever
-  /// undone.
+  /// Returns the passes that are undone at the time of the call. Empty function: none ever is.
   std::function<UndonePasses()> undone{};
 };
 

@@ -6,6 +6,14 @@
 #include "simulation/packing/morton.h"
 
 namespace osteon::simulation {
+namespace {
+
+Eigen::AlignedBox3d BoxOf(const Vector3& center_m, double radius_m) {
+  const Vector3 reach = Vector3::Constant(radius_m);
+  return {Vector3(center_m - reach), Vector3(center_m + reach)};
+}
+
+}  // namespace
 
 LiveTree::LiveTree(std::span<const Ball> items)
     : order_(items.size()), place_(items.size()), left_(items.size(), true) {
@@ -22,9 +30,7 @@ LiveTree::LiveTree(std::span<const Ball> items)
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const Ball& item = items[order_[i]];
     Node& leaf = levels_[0][i / kChildren];
-    const Vector3 reach = Vector3::Constant(item.radius_m);
-    leaf.box.extend(Vector3(item.center_m) - reach);
-    leaf.box.extend(Vector3(item.center_m) + reach);
+    leaf.box.extend(BoxOf(item.center_m, item.radius_m));
     ++leaf.left;
   }
   // build each level from the one below, up to a single root
@@ -40,8 +46,7 @@ LiveTree::LiveTree(std::span<const Ball> items)
 }
 
 void LiveTree::Grow(std::uint32_t item, const Vector3& center_m, double radius_m) {
-  const Vector3 reach = Vector3::Constant(radius_m);
-  const Eigen::AlignedBox3d box(Vector3(center_m - reach), Vector3(center_m + reach));
+  const Eigen::AlignedBox3d box = BoxOf(center_m, radius_m);
   std::size_t index = place_[item];
   for (std::vector<Node>& level : levels_) {
     Node& node = level[index /= kChildren];

@@ -100,6 +100,22 @@ kinematics::ChainParams<7> ScenarioBody() {
   return body;
 }
 
+ArmTrialParams ScenarioTrial() {
+  ArmTrialParams params;
+  params.arm = ScenarioArm();
+  params.X_FT = ScenarioTool();
+  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  return params;
+}
+
+control::ServoParams WithRoom(control::ServoParams loop, const kinematics::LbrParams& arm) {
+  loop.joints.limits = arm.limits;
+  loop.workspace.sphere_radius_m = 3.0;
+  loop.workspace.plane_offset_m = -3.0;
+  loop.max_tracking_error_m = 0.1;
+  return loop;
+}
+
 simulation::ContactModel FreshModel(std::uint64_t frame, rt::Nanoseconds now,
                                     std::span<const simulation::Contact> contacts) {
   simulation::ContactModel model;
@@ -126,12 +142,8 @@ simulation::Contact PlaneAt(const Vector3& p_W, const Vector3& n_W, double stiff
 
 std::vector<ArmTrialTick> RunLoopTrial(const ArmTrialParams& params, const ArmScene& scene) {
   const kinematics::LbrArm arm(params.arm);
-  control::ServoParams servo = params.loop;
-  servo.joints.limits = params.arm.limits;
-  servo.workspace.sphere_radius_m = 3.0;
-  servo.workspace.plane_offset_m = -3.0;
+  control::ServoParams servo = WithRoom(params.loop, params.arm);
   servo.spindle_rad_per_s = 0.0;
-  servo.max_tracking_error_m = 0.1;
   control::ServoLoop loop(servo, arm, Pose::Identity(), params.X_FT, arm.ArmAngle(params.q_start));
   control::ArmCommand command;
   Pose X_WT_cmd = arm.FlangePose(params.q_start) * params.X_FT;

@@ -77,6 +77,13 @@ struct ArmTrialTick {
 /// Tool of the scenarios on its flange: straight, 0.2 m long.
 [[nodiscard]] Pose ScenarioTool();
 
+/// A trial with ScenarioArm and ScenarioTool that begins far from joint limits and singularities.
+[[nodiscard]] ArmTrialParams ScenarioTrial();
+
+/// The loop with the arm's joint limits, and with a workspace and a tracking error that do not restrict a
+/// trial.
+[[nodiscard]] control::ServoParams WithRoom(control::ServoParams loop, const kinematics::LbrParams& arm);
+
 /// The arm of ScenarioArm with the masses of its links (centres of mass from config/robots; the inertias are
 /// not used here).
 [[nodiscard]] kinematics::ChainParams<7> ScenarioBody();

@@ -41,8 +41,7 @@ SoakCommand::SoakCommand(CLI::App& app) : Subcommand(AddStudy(app, "soak")) {
       "pages at the console. The seed draws lost datagrams, pauses, halts, changes of tool, and what is "
       "killed and started again.\n\n"
       "Exit code 1: a fault that was not injected, a balance that does not close, a recording with a gap, "
-      "memory "
-      "that grows, or a file that could not be written\n\n"
+      "memory that grows, or a file that could not be written\n\n"
       "Examples:\n  osteon soak --out soak\n  osteon soak --hours 0.1 --seed 7 --json soak.json\n"
       "  osteon soak --wall --hours 2 --out soak_wall");
 }

@@ -20,7 +20,7 @@ using kinematics::JointVector;
 constexpr double kPeriod_s = 1e-3;
 
 // Joint angles [rad] at which every run starts.
-JointVector Start() { return (JointVector() << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3).finished(); }
+JointVector Start() { return ScenarioTrial().q_start; }
 
 // The scenarios' arm with a tool of 2 kg on its flange.
 kinematics::ChainParams<7> LoadedArm() {
@@ -79,11 +79,7 @@ safety::FaultSet RunLawTrial(const LawTrialParams& params, const LawScene& scene
   const kinematics::LbrParams lbr = ScenarioArm();
   const kinematics::LbrArm arm(lbr);
   const bool is_position = params.loop.law == Law::kAdmittance;
-  control::ServoParams servo = params.loop;
-  servo.joints.limits = lbr.limits;
-  servo.workspace.sphere_radius_m = 3.0;
-  servo.workspace.plane_offset_m = -3.0;
-  servo.max_tracking_error_m = 0.1;
+  const control::ServoParams servo = WithRoom(params.loop, lbr);
   control::ServoLoop loop(servo, arm, Pose::Identity(), ScenarioTool(), arm.ArmAngle(Start()));
   const std::unique_ptr<hil::SimulatedArm> simulated = ArmOf(servo.law);
   control::ArmState state;

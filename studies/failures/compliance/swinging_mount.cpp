@@ -23,10 +23,7 @@ constexpr std::array kMounts_hz{4.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0};
 }  // namespace
 
 SwingTrial RunSwingTrial(const SwingTrialParams& params) {
-  ArmTrialParams trial;
-  trial.arm = ScenarioArm();
-  trial.X_FT = ScenarioTool();
-  trial.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  ArmTrialParams trial = ScenarioTrial();
   trial.hand = hil::OperatorWith(params.hand);
   trial.loop.vibration = params.index;
   trial.seconds = kTrial_s;

@@ -22,10 +22,7 @@ constexpr double kSwing_m = 0.03, kSwing_hz = 0.5;
 }  // namespace
 
 GripTrial RunGripTrial(const GripTrialParams& params) {
-  ArmTrialParams arm;
-  arm.arm = ScenarioArm();
-  arm.X_FT = ScenarioTool();
-  arm.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  ArmTrialParams arm = ScenarioTrial();
   arm.seconds = params.step_s + params.seconds;
   arm.loop = params.loop;
   const Pose X_start = kinematics::LbrArm(arm.arm).FlangePose(arm.q_start) * arm.X_FT;

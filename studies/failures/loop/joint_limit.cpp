@@ -35,9 +35,7 @@ struct Case {
 // @param room_rad  distance of the joint from its limit at the start
 Case MakeCase(int joint, double room_rad, double out_m) {
   Case c{.joint = joint, .out_m = out_m};
-  c.params.arm = ScenarioArm();
-  c.params.X_FT = ScenarioTool();
-  c.params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  c.params = ScenarioTrial();
   const kinematics::JointLimits& limit = c.params.arm.limits[static_cast<std::size_t>(joint)];
   // take the limit on that side of zero on which the joint starts
   const double side = c.params.q_start[joint] < 0.0 ? -1.0 : 1.0;

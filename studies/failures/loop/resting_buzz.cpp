@@ -36,10 +36,7 @@ struct Buzz {
 // @param force_alone  true (the baseline): the loop gets a force that is a millisecond old; false: it gets a
 // plane
 Buzz SimulateResting(double push_N, double stiffness_N_per_m, bool force_alone, double seconds) {
-  ArmTrialParams params;
-  params.arm = ScenarioArm();
-  params.X_FT = ScenarioTool();
-  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  ArmTrialParams params = ScenarioTrial();
   params.hand = hil::OperatorWith({"firm", 500.0, 20.0, 1.5});
   params.servo = {.bandwidth_hz = 1000.0, .dead_cycles = 0};  // without a lag, which would hide the vibration
   params.seconds = kStart_s + seconds;

@@ -53,10 +53,8 @@ double Angle(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).
 // @param side_rad       direction out of the plane, as an angle about the tool's axis from its x
 // @param depth_limited  a depth limit's resistance adds to the wall's force from some depth on
 PushResult Press(double tool_m, double side_rad, bool depth_limited) {
-  ArmTrialParams params;
-  params.arm = ScenarioArm();
+  ArmTrialParams params = ScenarioTrial();
   params.X_FT.translation() = Vector3(0.0, 0.0, tool_m);
-  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
   params.hand.max_force_N = kPush_N;
   params.seconds = kEnd_s;
   params.loop.arm_body = ScenarioBody();

@@ -37,10 +37,7 @@ struct DriftResult {
 // @param ours    with bias estimate and dead zone; false: the baseline
 // @param seconds  from the release to the push
 DriftResult Release(double bias_N, int axis, bool ours, double seconds) {
-  ArmTrialParams params;
-  params.arm = ScenarioArm();
-  params.X_FT = ScenarioTool();
-  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  ArmTrialParams params = ScenarioTrial();
   params.waiting_s = kWaiting_s;
   params.seconds = kReleases_s + seconds + kPushes_s;
   params.loop.sensor_bias.acts = ours;

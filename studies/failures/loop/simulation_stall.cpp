@@ -48,10 +48,7 @@ struct StallResult {
 // @param held  true (the baseline): the force of the last frame is held during the stall; false: its plane is
 // held
 StallResult MeasureStall(const Case& c, double stall_s, bool held) {
-  ArmTrialParams params;
-  params.arm = ScenarioArm();
-  params.X_FT = ScenarioTool();
-  params.q_start << 0.2, 0.5, 0.1, -1.4, 0.15, 0.8, 0.3;
+  ArmTrialParams params = ScenarioTrial();
   const double moves_s = c.way_m / c.speed_m_per_s;
   const double leaves_s = kStalls_s + std::max(moves_s, stall_s) + 0.6;
   params.seconds = leaves_s + 0.6;
