@@ -93,6 +93,8 @@ tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std
     return tl::make_unexpected(fmt::format("/live: found \"{}\"", got.substr(0, got.find('\r'))));
   if (!AwaitText(*stream, got, R"({"type":"live")", patience_s))
     return tl::make_unexpected(std::string("/live: no live message came"));
+  if (stay == PageStay::kMotion && !AwaitText(*stream, got, R"("moves":true)", patience_s))
+    return tl::make_unexpected(std::string("/live: the arm did not move"));
   if (stay == PageStay::kWholeBone && !AwaitText(*stream, got, R"({"type":"surface_whole")", patience_s))
     return tl::make_unexpected(std::string("/live: the bone did not come whole"));
   if (end == PageEnd::kKilled) {

@@ -27,6 +27,7 @@ enum class PageEnd : std::uint8_t {
 /// The message after which a page leaves.
 enum class PageStay : std::uint8_t {
   kLiveMessage,  ///< the first live message
+  kMotion,       ///< the first live message of a cell whose arm moves
   kWholeBone,    ///< the message with the whole surface of the bone
 };
 
@@ -56,7 +57,8 @@ struct ReloadFigures {
   double seconds{0.0};
 };
 
-/// Loads a page `reloads` times, one after the other; every third page is killed.
+/// Loads a page `reloads` times, one after the other; every third page is killed. The process must have made
+/// all connections of its own before (await PageStay::kMotion), because they count as descriptors too.
 /// @param goes_on  called before each page; returns false to end early
 [[nodiscard]] ReloadFigures ReloadPages(const std::string& address, std::uint16_t port, pid_t process,
                                         int reloads, const std::function<bool(int done)>& goes_on);
