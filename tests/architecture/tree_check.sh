@@ -4,7 +4,7 @@
 #   format   C++ is as clang-format leaves it           shell    shell scripts are shellcheck-clean
 #   paths    no file names a folder of one machine      headers  every header compiles alone (BUILD: CMake's binary folder)
 set -euo pipefail
-check=$1 root=$2 build=${3:-}
+check=$1 root=$2 build=${3:-} here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 cd "$root"
 
 # Lists the tree's files as git has them; without git (an unpacked archive) all but builds, results, hidden folders. What
@@ -57,30 +57,15 @@ case $check in
     fi
     ;;
   headers)
-    # If a launcher may be building in the same folder, take its lock first.
-    lock=()
-    [[ ! -f build/.lock ]] || lock=(flock build/.lock)
-    log=$(mktemp)
-    trap 'rm -f "$log"' EXIT
-    if ! "${lock[@]}" cmake --build "$build" --target osteon_verify_headers >"$log" 2>&1; then
-      sed -n '/^FAILED: /,$p' "$log" | head -n 60
-      exit 1
-    fi
-    # osteon_verify_headers() lists the headers that it is given.
-    sort -u "$build/verified_headers.txt" >"$log"
+    need python3
+    need clang++
     mapfile -t headers < <(tree_files '*.h' | existing | tr '\0' '\n' | grep -v '^tests/' | sort -u)
-    mapfile -t unlisted < <(printf '%s\n' "${headers[@]}" | comm -23 - "$log")
+    mapfile -t unlisted < <(printf '%s\n' "${headers[@]}" | comm -23 - <(sort -u "$build/listed_headers.txt"))
     [[ ${#unlisted[@]} -eq 0 ]] || {
-      printf '%s:1: in neither HEADERS nor PRIVATE_HEADERS of an osteon_library(): nothing shows that it compiles alone\n' "${unlisted[@]}"
+      printf '%s:1: in neither HEADERS nor PRIVATE_HEADERS of an osteon_library(), nor in an osteon_list_headers()\n' "${unlisted[@]}"
       exit 1
     }
-    # It compiles several headers as one file, which hides nothing as long as their includes stand before all code.
-    mapfile -t late < <(awk 'FNR == 1 {code = 0} /^ *# *include/ && code {print FILENAME ":" FNR}
-      !/^ *(#|\/\/|$)/ {code = 1}' "${headers[@]}")
-    [[ ${#late[@]} -eq 0 ]] || {
-      printf '%s: an #include behind code: put it before (osteon_verify_headers() relies on it)\n' "${late[@]}"
-      exit 1
-    }
+    printf '%s\n' "${headers[@]}" | "$here/headers_alone.py" "$root" "$build"
     ;;
   *)
     echo "tree_check.sh: found '$check', accepted format, shell, paths or headers" >&2
