@@ -33,7 +33,7 @@ std::vector<Cell> CellsAround(const Solid& solid, const SweptTool& swept, double
   GradeParams grade{.finest_m = finest_m, .coarser_from_m = {}};
   for (int level = 1; level <= 3; ++level)
     grade.coarser_from_m.push_back(finest_m * std::ldexp(4.0, level - 1));
-  return DivideGraded(solid, SweepZone(swept), grade, CellsWanted::kSolid, threads);
+  return DivideGraded(solid, SweepZone(swept), grade, CellChoice::kSolid, threads);
 }
 
 /// Results of one cell's samples. Samples are counted in four classes: bone lost outside the sweep, solid in

@@ -169,7 +169,7 @@ CuttingParams CuttingForLevel(const PackingLevel& level, const CutShape& cut, co
 DepthVolumes::DepthVolumes(const Solid& solid, const CutZone& zone) {
   const double side = solid.Bounds().sizes().maxCoeff() / 60.0, volume = side * side * side;
   for (const simulation::Cell& cell :
-       DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}}, CellsWanted::kSolid)) {
+       DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}}, CellChoice::kSolid)) {
     const double distance = cell.signed_distance_m;
     // The layer within half a cell's diagonal of the surface holds one centre per cell's volume. The area
     // follows from the volume of the cells in this layer.

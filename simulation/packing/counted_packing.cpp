@@ -38,7 +38,7 @@ std::vector<Item> DescendLattice(const Solid& solid, const CutZone& zone, const 
     site(cell.min_corner(), solid.SignedDistance(cell.min_corner()));
   };
   return DescendGraded<Item>(solid, zone, {.finest_m = rule.spacing_m, .coarser_from_m = {}},
-                             CellsWanted::kSolid, threads, kMaxBalls, add_leaf);
+                             CellChoice::kSolid, threads, kMaxBalls, add_leaf);
 }
 
 // Finds a spacing whose packing has nearly the wanted number of balls. `count_at` returns the number for a
@@ -78,7 +78,7 @@ double VolumeBelow(const Solid& solid, const CutZone& zone, double depth_m, int 
   const double side = solid.Bounds().sizes().maxCoeff() / 60.0;
   double volume = 0.0;
   for (const Cell& cell :
-       DivideGraded(solid, zone, {.finest_m = side, .coarser_from_m = {}}, CellsWanted::kSolid, threads))
+       DivideGraded(solid, zone, {.finest_m = side, .coarser_from_m = {}}, CellChoice::kSolid, threads))
     if (cell.signed_distance_m < 0.0 && zone.DepthAt(cell.center()) >= depth_m) volume += side * side * side;
   return volume;
 }

@@ -45,13 +45,13 @@ std::vector<Cell> GradedRoots(const Solid& solid, const GradeParams& params) {
 }
 
 std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone, const GradeParams& params,
-                               CellsWanted wanted, int threads) {
+                               CellChoice wanted, int threads) {
   // keeps a leaf if it may hold a part of the solid or, for kSurface, of the surface
   const auto add = [&](Cell cell, std::vector<Cell>& cells) {
     cell.signed_distance_m = solid.SignedDistance(cell.center());
     const double reach = cell.reach_m();
     if (cell.signed_distance_m > reach) return;
-    if (wanted == CellsWanted::kSurface && cell.signed_distance_m < -reach) return;
+    if (wanted == CellChoice::kSurface && cell.signed_distance_m < -reach) return;
     cells.push_back(cell);
   };
   return DescendGraded<Cell>(solid, zone, params, wanted, threads, kMaxCells, add);

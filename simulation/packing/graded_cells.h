@@ -35,7 +35,7 @@ struct Cell {
   [[nodiscard]] double reach_m() const { return 0.8660254037844387 * side_m; }
 };
 
-enum class CellsWanted {
+enum class CellChoice {
   kSolid,    ///< all cells that may hold a point of the solid
   kSurface,  ///< all cells that the surface may pass through
 };
@@ -44,7 +44,7 @@ enum class CellsWanted {
 /// The cells and their order do not depend on the number of threads (0: one per core).
 /// @throws std::invalid_argument if there would be more than 100 million cells.
 [[nodiscard]] std::vector<Cell> DivideGraded(const Solid& solid, const CutZone& zone,
-                                             const GradeParams& params, CellsWanted wanted, int threads = 0);
+                                             const GradeParams& params, CellChoice wanted, int threads = 0);
 
 /// Cubes, larger than those of the coarsest level, that together contain the solid: the roots from which a
 /// descent starts.

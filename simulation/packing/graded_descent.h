@@ -22,13 +22,13 @@ namespace osteon::simulation {
 /// @throws std::invalid_argument if there would be more than `max_items` items.
 template <typename Item, typename AddLeaf>
 [[nodiscard]] std::vector<Item> DescendGraded(const Solid& solid, const CutZone& zone,
-                                              const GradeParams& params, CellsWanted wanted, int threads,
+                                              const GradeParams& params, CellChoice wanted, int threads,
                                               std::size_t max_items, const AddLeaf& add_leaf) {
   struct Descent {
     const Solid& solid;
     const CutZone& zone;
     const GradeParams& params;
-    CellsWanted wanted;
+    CellChoice wanted;
     std::size_t max_items;
     const AddLeaf& add_leaf;
     std::atomic<std::size_t> total{0};
@@ -52,7 +52,7 @@ template <typename Item, typename AddLeaf>
         return;
       }
       const double distance = solid.SignedDistance(cell.center()), reach = cell.reach_m();
-      if (distance > reach || (wanted == CellsWanted::kSurface && distance < -reach)) return;
+      if (distance > reach || (wanted == CellChoice::kSurface && distance < -reach)) return;
       for (int octant = 0; octant < 8; ++octant) {
         Cell child{
             .index = {}, .level = cell.level - 1, .side_m = 0.5 * cell.side_m, .signed_distance_m = 0.0};

@@ -53,7 +53,7 @@ class Builder {
       : solid_(solid),
         zone_(zone),
         params_(params),
-        cells_(DivideGraded(solid, zone, params.cells, CellsWanted::kSolid)),
+        cells_(DivideGraded(solid, zone, params.cells, CellChoice::kSolid)),
         lookup_(cells_),
         samples_(params.samples_along_axis * params.samples_along_axis * params.samples_along_axis) {}
 

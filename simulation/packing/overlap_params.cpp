@@ -28,7 +28,7 @@ Demand Measure(const Solid& solid, const CutZone& zone, const PackingParams& par
   const double side = solid.Bounds().sizes().maxCoeff() / 40.0, volume = side * side * side;
   Demand demand;
   for (const Cell& cell : DivideGraded(solid, EverywhereZone(), {.finest_m = side, .coarser_from_m = {}},
-                                       CellsWanted::kSolid, params.threads)) {
+                                       CellChoice::kSolid, params.threads)) {
     const double distance = cell.signed_distance_m, depth = zone.DepthAt(cell.center());
     if (std::abs(distance) <= cell.reach_m()) {
       const double area = volume / (2.0 * cell.reach_m());

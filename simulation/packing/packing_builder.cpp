@@ -48,8 +48,7 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Pa
     site(cell.center(), distance);
     site(cell.min_corner(), solid.SignedDistance(cell.min_corner()));
   };
-  return DescendGraded<Ball>(solid, zone, params.lattice, CellsWanted::kSolid, params.threads, kMaxBalls,
-                             add);
+  return DescendGraded<Ball>(solid, zone, params.lattice, CellChoice::kSolid, params.threads, kMaxBalls, add);
 }
 
 /// Makes the lattice. If a number of balls is wanted, the spacing is widened until enough of them are left

@@ -44,7 +44,7 @@ struct Samples {
 /// Takes a jittered sample of each cell of a cubic grid. `keep(cell, sample)` converts a sample to the wanted
 /// point, or rejects it.
 template <typename Keep>
-Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::uint64_t salt, int threads,
+Samples SampleCells(const Solid& solid, CellChoice wanted, double side_m, std::uint64_t salt, int threads,
                     const Keep& keep) {
   const std::vector<Cell> cells =
       DivideGraded(solid, EverywhereZone(), {.finest_m = side_m, .coarser_from_m = {}}, wanted);
@@ -66,7 +66,7 @@ Samples SampleCells(const Solid& solid, CellsWanted wanted, double side_m, std::
 /// Takes about `count` samples. A coarse grid measures the volume (dimensions 3) or area (2); from it follows
 /// the spacing of a finer grid, which gives the samples.
 template <typename Keep>
-Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std::size_t count,
+Samples SampleAbout(const Solid& solid, CellChoice wanted, int dimensions, std::size_t count,
                     std::uint64_t salt, int threads, const Keep& keep) {
   constexpr std::size_t kTrial = 2000;  // this number of samples measures the size to a few per cent
   double side = solid.Bounds().sizes().maxCoeff() / 16.0;
@@ -82,7 +82,7 @@ Samples SampleAbout(const Solid& solid, CellsWanted wanted, int dimensions, std:
 }
 
 Samples SampleVolume(const Solid& solid, const QualityParams& params) {
-  return SampleAbout(solid, CellsWanted::kSolid, 3, params.samples, kVolumeSalt + (params.seed << 8),
+  return SampleAbout(solid, CellChoice::kSolid, 3, params.samples, kVolumeSalt + (params.seed << 8),
                      params.threads, [&solid](const Cell& cell, const Vector3& p) {
                        // no query for a cell that lies entirely inside, as most cells do
                        return cell.signed_distance_m < -cell.reach_m() || solid.SignedDistance(p) < 0.0;
@@ -90,7 +90,7 @@ Samples SampleVolume(const Solid& solid, const QualityParams& params) {
 }
 
 Samples SampleSurface(const Solid& solid, const QualityParams& params) {
-  return SampleAbout(solid, CellsWanted::kSurface, 2, params.surface_samples,
+  return SampleAbout(solid, CellChoice::kSurface, 2, params.surface_samples,
                      kSurfaceSalt + (params.seed << 8), params.threads,
                      [&solid](const Cell& cell, Vector3& p) {
                        const SurfacePoint foot = solid.NearestSurface(p);

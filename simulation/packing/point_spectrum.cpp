@@ -136,7 +136,7 @@ std::vector<Eigen::AlignedBox3d> UniformWindows(const Solid& solid, const CutZon
   };
   std::vector<Room> rooms;
   const std::vector<double>& from = params.cells.coarser_from_m;
-  for (const Cell& cell : DivideGraded(solid, zone, params.cells, CellsWanted::kSolid)) {
+  for (const Cell& cell : DivideGraded(solid, zone, params.cells, CellChoice::kSolid)) {
     // The largest cube around this centre lies in a ball of free_radius, in which all cells have this size.
     // The ball ends at the surface and at the depths at which the cells' size changes. Coarser cells extend
     // beyond such a depth by half their diagonal.

@@ -39,7 +39,7 @@ std::vector<Ball> LatticeBalls(const Solid& solid, const CutZone& zone, const Sp
                           .coarser_from_m = {p.coarser_from_m, 2.0 * p.coarser_from_m}};
   const double fine_cap = p.radius_over_spacing * p.spacing_m;
   std::vector<Ball> balls;
-  for (const Cell& cell : DivideGraded(solid, zone, grade, CellsWanted::kSolid, p.threads))
+  for (const Cell& cell : DivideGraded(solid, zone, grade, CellChoice::kSolid, p.threads))
     for (const Vector3& site : {cell.center(), cell.min_corner()}) {
       double cap = p.radius_over_spacing * cell.side_m;
       if (cell.level > 0)

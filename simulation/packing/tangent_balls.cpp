@@ -118,7 +118,7 @@ std::vector<TangentBall> FindTangentBalls(const Solid& solid, const CutZone& zon
     balls.push_back(
         {.foot_m = foot->p_m, .ball = *ball, .tolerance_m = static_cast<float>(params.SurfaceGapAt(depth))});
   };
-  return DescendGraded<TangentBall>(solid, zone, samples, CellsWanted::kSurface, params.threads, kMaxBalls,
+  return DescendGraded<TangentBall>(solid, zone, samples, CellChoice::kSurface, params.threads, kMaxBalls,
                                     add);
 }
 

@@ -113,7 +113,7 @@ Wrench GuidanceBench::Render(const Wrench& bone, Wrench& guidance) {
   return sum_with(F, share);
 }
 
-GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
+GuidanceTick GuidanceBench::Step(const HandOffset& goal, const Wrench& F_bone_T_W) {
   Wrench guidance;
   const Wrench sum = Render(limiter_.Limit(F_bone_T_W).F, guidance);
   energy_J_ += 0.5 * control::Power(guidance_before_, moved_) + 0.5 * control::Power(guidance, moved_);
@@ -138,9 +138,9 @@ GuidanceTick GuidanceBench::Step(const LedTo& led, const Wrench& F_bone_T_W) {
   const Vector3 rest_W{0.0, 0.0, kStartHeight_m - params_.guidance.head_m + params_.lever_m};
   const hil::GridHand& hand = params_.hand;
   felt_ = {};
-  if (led.holds) {
-    felt_.f = hand.stiffness_N_per_m * (rest_W + led.p_W - at) - hand.damping_Ns_per_m * v -
-              hand.mass_kg / kPeriod_s * (v - v_before) + led.push_W;
+  if (goal.holds) {
+    felt_.f = hand.stiffness_N_per_m * (rest_W + goal.p_W - at) - hand.damping_Ns_per_m * v -
+              hand.mass_kg / kPeriod_s * (v - v_before) + goal.push_W;
     felt_.t = lever.cross(felt_.f);
     // A hand's grip also resists rotation of the handle: the spring and damper act with a lever of 0.1 m.
     constexpr double kGrip2_m2 = 0.01;

@@ -35,7 +35,7 @@ struct GuidanceBenchParams {
 };
 
 /// The goal to which a hand leads the tool, and a force that the hand adds.
-struct LedTo {
+struct HandOffset {
   /// Goal of the hand, relative to its place when the tool is on the plan's axis [m].
   Vector3 p_W{0.0, 0.0, 0.0};
   Vector3 push_W{0.0, 0.0, 0.0};  ///< added force [N]
@@ -62,7 +62,7 @@ class GuidanceBench {
 
   /// Advances by a tick. @param F_bone_T_W  the bone's wrench on the tool; the force limit applies to the sum
   /// of this wrench and the guidance's
-  GuidanceTick Step(const LedTo& led, const Wrench& F_bone_T_W = {});
+  GuidanceTick Step(const HandOffset& goal, const Wrench& F_bone_T_W = {});
 
   /// Energy that the guidance has given to the virtual tool so far; negative: energy taken from it.
   [[nodiscard]] double energy_J() const { return energy_J_; }

@@ -19,7 +19,7 @@ constexpr int kEvery = 20;  // ticks from one point of a picture to the next
 int Ticks(double seconds) { return static_cast<int>(std::lround(seconds / kTick_s)); }
 
 // Goal of a hand that moves aside by 2 × half_m and back, once every 2 s.
-LedTo Aside(int tick, double half_m) {
+HandOffset Aside(int tick, double half_m) {
   return {.p_W = {half_m * (1.0 - std::cos(0.5 * kTwoPi * kTick_s * tick)), 0.0, 0.0}};
 }
 
@@ -120,9 +120,9 @@ FailureResult RunGuidanceAtCeiling(const FailureSetting& setting) {
     for (int i = 0; i < Ticks(2.0 * cycles); ++i) {
       // The bone pushes with the most force while the tool leaves the corridor; the hand resists it.
       const double bone_N = 100.0 * (1.0 + std::sin(0.5 * kTwoPi * kTick_s * i));
-      LedTo led = Aside(i, 6e-3);
-      led.push_W = {0.0, 0.0, -bone_N};
-      bench.Step(led, {.f = {0.0, 0.0, bone_N}});
+      HandOffset goal = Aside(i, 6e-3);
+      goal.push_W = {0.0, 0.0, -bone_N};
+      bench.Step(goal, {.f = {0.0, 0.0, bone_N}});
       if (i % (kEvery * cycles / 10) == 0) {
         series.x.push_back(kTick_s * i);
         series.y.push_back(bench.energy_J());

@@ -101,7 +101,7 @@ TEST(UniformWindows, LieInTheSolidWithoutOverlapAndEachHasOneSpacing) {
   const MassPointParams params;
   const std::vector<Eigen::AlignedBox3d> windows = UniformWindows(solid, zone, params);
   ASSERT_FALSE(windows.empty());
-  const std::vector<Cell> cells = DivideGraded(solid, zone, params.cells, CellsWanted::kSolid);
+  const std::vector<Cell> cells = DivideGraded(solid, zone, params.cells, CellChoice::kSolid);
   for (std::size_t i = 0; i < windows.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_FALSE(windows[i].intersects(windows[j]));
     double least = 1.0, greatest = 0.0;
