@@ -10,7 +10,7 @@ namespace osteon::app {
 
 /// Writes a shipped cell with an FRI arm and wide limits of time, for tests in wall time whose subject is not
 /// lateness. With the shipped limits, a machine that wakes a thread 25 ms late ends a run; with these, it may
-/// be 150 ms late (the drive's limit for a heartbeat).
+/// be 250 ms late (the simulated PLC's limit for a heartbeat).
 /// @param folder   where the file is written, as patient_SHIPPED.yaml
 /// @param shipped  name of a cell under config/cells
 /// @param more     further values that differ from the shipped cell
@@ -21,6 +21,7 @@ inline std::string PatientCell(const std::filesystem::path& folder, const std::s
                                       {"watchdog.sensor_stop_ms", "1000"},
                                       {"watchdog.arm_miss_count", "100"},
                                       {"drive.lost_ms", "1000"},
+                                      {"drive.heartbeat_ms", "100"},
                                       {"plc.max_age_ms", "1000"},
                                       {"link_quality.good_lost_count", "1000"},
                                       {"link_quality.end_lost_in_a_row_count", "1000"},

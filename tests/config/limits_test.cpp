@@ -39,6 +39,17 @@ TEST(Limits, ALostDriveIsThatOfClientAndLoop) {
   EXPECT_EQ(LoadText(CellText("demo")).servo.watchdog.spindle_stop_s, 0.1);
 }
 
+// `drive: heartbeat_ms` is the period of both sides' heartbeats, in whole milliseconds as the drive counts.
+TEST(Limits, ADrivesHeartbeatIsThatOfItsCell) {
+  const auto with = [](const std::string& value) {
+    return With(CellText("demo"), "lost_ms: 100", "heartbeat_ms: " + value + "\n  lost_ms: 100");
+  };
+  EXPECT_EQ(LoadText(CellText("demo")).devices.drive->heartbeat, 50 * rt::kMillisecond);
+  EXPECT_EQ(LoadText(with("100")).devices.drive->heartbeat, 100 * rt::kMillisecond);
+  EXPECT_THAT(Refusal(with("12.5")), HasSubstr("heartbeat_ms: found 12.5, accepted whole milliseconds"));
+  EXPECT_THAT(Refusal(with("101")), AllOf(HasSubstr("heartbeat_ms"), HasSubstr("found 101")));
+}
+
 TEST(Limits, AreUnlimitedWhereACellDoesNotNameThem) {
   std::string text = CellText("demo");
   // removes the text between `from` (included) and `to` (not included)

@@ -47,7 +47,7 @@ function patientCell(more = "") {
   const file = join(folder, "patient.yaml");
   writeFileSync(file, `extends: demo
 watchdog: {model_stop_ms: 1000, sensor_stop_ms: 1000, arm_miss_count: 100}
-drive: {lost_ms: 1000}
+drive: {lost_ms: 1000, heartbeat_ms: 100}
 plc: {max_age_ms: 1000}
 link_quality: {good_lost_count: 1000, end_lost_in_a_row_count: 1000, end_lost_count: 1000, ask_again: true}
 ${more}`);

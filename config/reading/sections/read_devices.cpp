@@ -87,6 +87,13 @@ void ReadDrive(Reader section, CellConfig& cell) {
   const double lost_s = section.Number("lost_ms", 5, 1000);
   drive.missed_cycles = static_cast<int>(std::lround(1e9 * lost_s / static_cast<double>(drive.cycle)));
   cell.servo.watchdog.spindle_stop_s = lost_s;
+  if (section.Has("heartbeat_ms")) {
+    drive.heartbeat = ToNanoseconds(section.Number("heartbeat_ms", 10, 100));
+    if (drive.heartbeat % rt::kMillisecond != 0)
+      section.Refuse("heartbeat_ms",
+                     fmt::format("found {:.10g}, accepted whole milliseconds: the drive counts in them",
+                                 1e-6 * static_cast<double>(drive.heartbeat)));
+  }
   cell.simulated_devices.drive.emplace().node = drive.node;
 }
 
