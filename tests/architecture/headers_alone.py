@@ -134,10 +134,10 @@ def main():
                                       ['-fpch-instantiate-templates', '-x', 'c++-header', '-o', f'{folder}/set{i}.pch'])
                        for i in sorted({parsed for parsed, _ in todo.values() if parsed is not None})}
         wrong = [set_.result() for set_ in parsed_sets.values()]
-        jobs = {key: pool.submit(compile_text, f'{key}.cpp', include_lines(file),
-                                 ['-fsyntax-only'] if parsed is None else
-                                ['-fsyntax-only', '-include-pch', f'{folder}/set{parsed}.pch'])
-                for key, (parsed, file) in todo.items()}
+        jobs = {}
+        for key, (parsed, file) in todo.items():
+            finds_parsed = [] if parsed is None else ['-include-pch', f'{folder}/set{parsed}.pch']
+            jobs[key] = pool.submit(compile_text, f'{key}.cpp', include_lines(file), ['-fsyntax-only', *finds_parsed])
         wrong += [job.result() for job in jobs.values()]
         log.write_text('\n'.join(key for key in files if key not in jobs or not jobs[key].result()), encoding='utf-8')
     print(f'{len(headers)} headers in {len(files)} files, {len(todo)} compiled')
