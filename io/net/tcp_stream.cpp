@@ -27,7 +27,8 @@ tl::expected<TcpStream, std::string> TcpStream::Connect(const std::string& addre
   return stream;
 }
 
-TcpStream::TcpStream(TcpStream&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+TcpStream::TcpStream(TcpStream&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)), closed_(other.closed_) {}
 
 TcpStream::~TcpStream() {
   if (socket_ >= 0) ::close(socket_);
@@ -48,7 +49,9 @@ std::string TcpStream::Receive(std::chrono::milliseconds patience) {
   if (WaitReadable(socket_, rt::MonotonicNow() + wait) != Wait::kReady) return {};
   std::array<char, 65536> room{};
   const ssize_t size = ::recv(socket_, room.data(), room.size(), MSG_DONTWAIT);
-  return size > 0 ? std::string(room.data(), static_cast<std::size_t>(size)) : std::string();
+  if (size > 0) return {room.data(), static_cast<std::size_t>(size)};
+  closed_ = size == 0 || (errno != EAGAIN && errno != EINTR);
+  return {};
 }
 
 void TcpStream::Kill() {

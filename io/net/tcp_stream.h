@@ -25,6 +25,8 @@ class TcpStream {
   /// Returns the bytes that have arrived; waits for the first one. Empty if nothing arrived within
   /// `patience`, or if the other end has closed the connection.
   [[nodiscard]] std::string Receive(std::chrono::milliseconds patience);
+  /// Whether a Receive has found that the other end has closed the connection, or that it broke.
+  [[nodiscard]] bool closed() const { return closed_; }
   /// Ends the connection by a reset, as the system does for a killed process that has not read all received
   /// data.
   void Kill();
@@ -32,6 +34,7 @@ class TcpStream {
  private:
   explicit TcpStream(int socket) : socket_(socket) {}
   int socket_;
+  bool closed_{false};
 };
 
 }  // namespace osteon::io

@@ -42,6 +42,8 @@ constexpr double kVirtualGiveUp_s = 30.0;  // longest wait for COMMANDING_ACTIVE
 
 constexpr std::chrono::milliseconds kSupervisionPeriod{10};  // time between two checks of a run
 
+constexpr int kPacedTicks = 10;  // virtual time: a run with a real-time factor may wait after as many ticks
+
 rt::Nanoseconds UtcNow() {
   const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(since_1970).count();
@@ -268,6 +270,7 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
   std::uint64_t active_before = 0, held_ticks = 0;  // COMMANDING_ACTIVE ticks: so far; during holds
   bool recovering = false, stopping = false;        // a recovery, or the end of the run, was requested
   control::RestTime rest(static_cast<rt::Nanoseconds>(std::llround(AtRest_s(setup, params) * 1e9)));
+  rt::Nanoseconds go_on = rt::MonotonicNow();  // with a real-time factor: when the run last had to go on
   // whether the run waits, after a fault, for an operator's request for recovery
   const auto holds = [&] {
     return params.hold_at_fault && !stopping && safety::AllowsRecovery(loop.faults());
@@ -338,6 +341,12 @@ tl::expected<CellRunResult, CellRunError> RunVirtual(const CellSetup& setup, Fra
     if (tick % 100 == 0) {
       recorder.Drain();
       if (params.progress) params.progress(cell.state().cell_time_s);
+    }
+    if (params.real_time_factor > 0.0 && tick % kPacedTicks == 0) {
+      const double paced_ns = static_cast<double>(kPacedTicks * period) / params.real_time_factor;
+      const rt::Nanoseconds real = rt::MonotonicNow();
+      go_on = std::max(go_on + static_cast<rt::Nanoseconds>(paced_ns), real);
+      std::this_thread::sleep_for(std::chrono::nanoseconds(go_on - real));
     }
   }
   EndSession(session, cell, period);

@@ -30,7 +30,10 @@ struct CellRunParams {
   double seconds{10.0};  ///< duration of rendering; 0: until stopped (wall time only)
   bool virtual_time{false};
   double frame_s{0.002};  ///< virtual time: interval between frames, and delay from pose to model
-  int recoveries{0};      ///< largest number of automatic restarts after lost connections to the arm
+  /// Virtual time passes at most this many times as fast as real time; 0: as fast as the machine can. The
+  /// results are the same.
+  double real_time_factor{0.0};
+  int recoveries{0};  ///< largest number of automatic restarts after lost connections to the arm
   /// True: after a fault that allows a recovery, the arm stays at rest until `requests` contains a recovery
   /// or a stop. False: the fault ends the run.
   bool hold_at_fault{false};

@@ -174,6 +174,10 @@ int RunDemo(const DemoOptions& asked) {
   if (options.frame_ms && !options.virtual_time)
     return Fail("demo", fmt::format("--frame-ms: found {:g} in wall time, accepted with --virtual-time",
                                     *options.frame_ms));
+  if (options.real_time_factor && !options.virtual_time)
+    return Fail("demo",
+                fmt::format("--real-time-factor: found {:g} in wall time, accepted with --virtual-time",
+                            *options.real_time_factor));
   // do this before any other thread exists, because threads inherit the CPUs
   if (const std::string wrong = rt::ReserveCpu(options.cpu); !wrong.empty())
     return Fail("demo", "--cpu: " + wrong);
@@ -261,6 +265,7 @@ int RunDemo(const DemoOptions& asked) {
       .seconds = options.seconds,
       .virtual_time = options.virtual_time,
       .frame_s = options.frame_ms ? 1e-3 * *options.frame_ms : CellRunParams{}.frame_s,
+      .real_time_factor = options.real_time_factor.value_or(0.0),
       .hold_at_fault = options.hold_at_fault,
       .cpu = options.cpu,
       .cell = CellProcessParams{.cell = options.cell,

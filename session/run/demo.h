@@ -30,6 +30,8 @@ struct DemoOptions {
   bool virtual_time{false};     ///< run in virtual time, without waiting
   /// Virtual time: duration of a frame; absent: the default of CellRunParams.
   std::optional<double> frame_ms{};
+  /// Virtual time: passes at most this many times as fast as real time; absent: as fast as the machine can.
+  std::optional<double> real_time_factor{};
   std::string device{};                 ///< part of a Vulkan device's name
   std::string engine{"auto"};           ///< one of EngineNames
   std::optional<std::uint16_t> port{};  ///< first port of the simulated cell; absent: the ports of its file

@@ -24,14 +24,15 @@ constexpr std::chrono::milliseconds kSettleLooks{50};  // time between two measu
 constexpr double kPatience_s = 60.0;         // for a page: the bone's thread gives way to all others
 constexpr std::size_t kMaxRead = 64u << 20;  // number of bytes after which AwaitText gives up
 
-// Reads into `got` until it contains a text. @returns false if the text did not arrive in time
+// Reads into `got` until it contains a text. @returns false if the text did not arrive in time, or if the
+// server closed the connection before
 bool AwaitText(io::TcpStream& stream, std::string& got, std::string_view text, double patience_s) {
   const auto end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience_s));
   std::size_t looked = 0;
   while (got.find(text, looked) == std::string::npos) {
     looked = got.size() < text.size() ? 0 : got.size() - text.size();
-    if (Clock::now() > end || got.size() > kMaxRead) return false;
+    if (Clock::now() > end || got.size() > kMaxRead || stream.closed()) return false;
     got += stream.Receive(std::chrono::milliseconds(100));
   }
   return true;
@@ -91,12 +92,15 @@ tl::expected<void, std::string> LoadPageAndLeave(const std::string& address, std
                                 address, port)) ||
       !AwaitText(*stream, got, "\r\n\r\n", patience_s) || !got.starts_with("HTTP/1.1 101"))
     return tl::make_unexpected(fmt::format("/live: found \"{}\"", got.substr(0, got.find('\r'))));
-  if (!AwaitText(*stream, got, R"({"type":"live")", patience_s))
-    return tl::make_unexpected(std::string("/live: no live message came"));
+  const auto missing = [&](const char* what) {
+    return tl::make_unexpected(
+        fmt::format("/live: {}{}", what, stream->closed() ? ": the server closed the connection" : ""));
+  };
+  if (!AwaitText(*stream, got, R"({"type":"live")", patience_s)) return missing("no live message came");
   if (stay == PageStay::kMotion && !AwaitText(*stream, got, R"("moves":true)", patience_s))
-    return tl::make_unexpected(std::string("/live: the arm did not move"));
+    return missing("the arm did not move");
   if (stay == PageStay::kWholeBone && !AwaitText(*stream, got, R"({"type":"surface_whole")", patience_s))
-    return tl::make_unexpected(std::string("/live: the bone did not come whole"));
+    return missing("the bone did not come whole");
   if (end == PageEnd::kKilled) {
     stream->Kill();
     return {};

@@ -94,6 +94,8 @@ TEST_F(WrongInput, UnknownCommandsUnacceptedValuesAndContradictoryOptionsAreRefu
   ExpectRefused({"demo", "--cpu", "0", "--virtual-time"}, {"--cpu", "--virtual-time", "wall time"});
   ExpectRefused({"demo", "--engine", "cuda"}, {"--engine", "cuda", "auto, vulkan, cpu, reference"});
   ExpectRefused({"demo", "--frame-ms", "8"}, {"--frame-ms", "8", "--virtual-time"});
+  ExpectRefused({"demo", "--real-time-factor", "2"}, {"--real-time-factor", "2", "--virtual-time"});
+  ExpectRefused({"demo", "--virtual-time", "--real-time-factor", "0"}, {"--real-time-factor", "0.01 … 1000"});
   ExpectRefused({"demo", "--virtual-time", "--frame-ms", "0.5"}, {"--frame-ms", "0.5", "1 … 100"});
   ExpectRefused({"demo", "--engine", "reference"}, {"--engine reference", "--virtual-time"});
 }

@@ -65,6 +65,10 @@ DemoCommand::DemoCommand(CLI::App& app)
   sub_->add_option("--frame-ms", options_.frame_ms, "duration of a simulation frame in virtual time")
       ->default_str("2")
       ->check(NumberWithin(1, 100));
+  sub_->add_option("--real-time-factor", options_.real_time_factor,
+                   "virtual time passes at most this many times as fast as real time; without it as fast "
+                   "as the machine can")
+      ->check(NumberWithin(0.01, 1000));
   AddFidelityOptions(*sub_, options_.fidelity);
   AddDeviceOption(*sub_, options_.device);
   AddEngineOption(*sub_, options_.engine, session::EngineNames(), "the cutting engine",
@@ -101,6 +105,7 @@ DemoCommand::DemoCommand(CLI::App& app)
       "Examples:\n  osteon demo\n  osteon demo --seconds 5 --out my_run\n  osteon demo --virtual-time\n"
       "  osteon demo --error-mm 0.05 --rate-hz 500\n"
       "  osteon demo --plan acetabulum --virtual-time\n"
+      "  osteon demo --virtual-time --real-time-factor 1 --console 8470\n"
       "  osteon demo --mesh hip.obj --cup 8.8,-131.9,517.9,-0.983,-0.175,0.052,21\n"
       "  osteon demo --cell molar --mesh tooth.obj --scale 0.041 --cup 0,0.5,8,0,0,1,1.75");
 }

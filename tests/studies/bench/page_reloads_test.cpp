@@ -96,6 +96,18 @@ TEST_F(PageReloads, AnIncompleteBoneIsReported) {
   EXPECT_EQ(loaded.error(), "/live: the bone did not come whole");
 }
 
+TEST_F(PageReloads, AServerThatEndsIsReportedAtOnce) {
+  surface_.Begin({}, R"({"type":"surface"})");  // incomplete: the page waits for the rest
+  std::thread ends([this] {
+    while (server_->pages() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    server_.reset();
+  });
+  const auto loaded = LoadPageAndLeave("127.0.0.1", port(), PageEnd::kCloses, PageStay::kWholeBone, 600.0);
+  ends.join();
+  ASSERT_FALSE(loaded);
+  EXPECT_TRUE(loaded.error().ends_with(": the server closed the connection")) << loaded.error();
+}
+
 // The test's client measures the time from a tick's stamp to its message's arrival, both by one clock.
 TEST_F(PageReloads, TheTimeFromTickToPageIsMeasured) {
   auto page = console::PageClient::Open("127.0.0.1", server_->port(), true);
