@@ -24,9 +24,7 @@ bool Says(const Command& command, const std::string& words) {
 
 // Arm, interlock and spindle drive must all work over the network until the run completes.
 TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const TemporaryFolder folder, cell_folder;  // one for each process
     const std::string file = PatientCell(folder.path(), "thin_plate");
     Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort(), "--json", "cell.json"});
@@ -39,11 +37,7 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
     EXPECT_EQ(cell.Wait().exit_code, 0);
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
     EXPECT_EQ(summary.at("schema"), "osteon.run/1");
-    if (run.exit_code != 0) {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup));
-      continue;
-    }
+    if (run.exit_code != 0) return attempt.ExpectLate(run, summary, watch);
     EXPECT_TRUE(saw_active) << cell.Out();
     EXPECT_EQ(summary.at("ended"), "completed");
     const io::Recording recording = ReadComplete(folder.path() / "r.mcap");
@@ -58,38 +52,29 @@ TEST(CellProcess, ARunConnectsToACellInAnotherProcess) {
     EXPECT_EQ(report.at("schema"), "osteon.cell/1");
     EXPECT_GT(report.at("arm").at("answered").get<int>(), 2000);  // 2 s at 1 kHz
     EXPECT_GT(report.at("plc").at("requests").get<int>(), 100);
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 // The cell must serve a second controller, for which its simulated operator presses the reset button again.
 TEST(CellProcess, ASecondRunConnectsToTheSameCell) {
-  constexpr int kAttempts = 3;
   const TemporaryFolder folder, cell_folder;
   const std::string file = PatientCell(folder.path(), "thin_plate");
   Command cell(cell_folder.path(), {"cell", file, "--port", FirstPort(), "--seconds", "3"});
   ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
-  const WakeupWatch watch;
-  int completed = 0;
-  for (int attempt = 0; attempt < kAttempts && completed < 2; ++attempt) {
-    const CommandResult run =
-        RunCommand(folder.path(), {"run", file, "--port", FirstPort(), "--seconds", "4", "--overwrite",
-                                   "--record", "r.mcap", "--json", "run.json"});
-    if (run.exit_code == 0)
-      ++completed;
-    else
-      ASSERT_TRUE(MachineWasLate(run, ReadJson(folder.path() / "run.json"), watch.worst()))
-          << run.err << cell.Out();
-  }
-  if (completed < 2) GTEST_SKIP() << SkippedForLateness(kAttempts, watch.worst());
+  for (int runs = 0; runs < 2 && !IsSkipped() && !HasFailure(); ++runs)
+    RepeatWhileLate([&](Attempt& attempt) {
+      const WakeupWatch watch;
+      const CommandResult run =
+          RunCommand(folder.path(), {"run", file, "--port", FirstPort(), "--seconds", "4", "--overwrite",
+                                     "--record", "r.mcap", "--json", "run.json"});
+      if (run.exit_code != 0)
+        attempt.ExpectLate(run, ReadJson(folder.path() / "run.json"), watch, run.err + cell.Out());
+    });
 }
 
 // Three processes: the cell simulates the operator's hand, the run controls, `osteon tell` changes the tool.
 TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const TemporaryFolder folder, cell_folder;
     const std::string file = PatientCell(folder.path(), "demo");
     // the simulated hand works 5 s with each of four tools, and holds the tool still in the last of these
@@ -114,11 +99,7 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
     const CommandResult told = RunCommand(folder.path(), {"tell", "hip", "status", "--json", "told.json"});
     const CommandResult ended = run.Wait();
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
-    if (ended.exit_code != 0) {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(ended, summary, worst_wakeup));
-      continue;
-    }
+    if (ended.exit_code != 0) return attempt.ExpectLate(ended, summary, watch);
     ASSERT_TRUE(changed);
     EXPECT_NE(told.out.find("Tool              46 mm, 2 of 4"), std::string::npos) << told.out;
     EXPECT_NE(told.out.find("its planned place"), std::string::npos) << told.out;
@@ -130,16 +111,12 @@ TEST(CellProcess, AThirdProcessChangesThePlansToolDuringARun) {
     EXPECT_EQ(passes[0].at("tool_diameter_mm"), 44.0);
     EXPECT_EQ(passes[1].at("tool_diameter_mm"), 46.0);
     for (const nlohmann::json& pass : passes) EXPECT_GT(pass.at("removed_mm3").get<double>(), 100.0);
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 // A KR robot over RSI with a period of 4 ms, instead of an LBR over FRI.
 TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const TemporaryFolder folder, cell_folder;
     Command cell(cell_folder.path(),
                  {"cell", "kr_16_thin_plate", "--port", FirstPort(), "--json", "cell.json"});
@@ -157,20 +134,14 @@ TEST(CellProcess, ARunConnectsToAKrOverRsiInAnotherProcess) {
               std::string::npos)
         << run.err;
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
-    if (run.exit_code != 0) {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup));
-      continue;
-    }
+    if (run.exit_code != 0) return attempt.ExpectLate(run, summary, watch);
     EXPECT_TRUE(saw_active) << cell.Out();
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_EQ(ReadComplete(folder.path() / "r.mcap").ticks.back().q_cmd[6], 0.0);  // a KR has six joints
     const nlohmann::json report = ReadJson(cell_folder.path() / "cell.json");
     EXPECT_GT(report.at("arm").at("answered").get<int>(), 500);  // 2 s at 250 Hz
     EXPECT_EQ(report.at("arm").at("malformed").get<int>(), 0);
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 TEST(CellProcess, KillingTheCellStopsTheRun) {

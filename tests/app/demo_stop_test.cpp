@@ -91,9 +91,7 @@ TEST(WallDemo, RunsOverUdpToItsEndOrReportsAStall) {
 
 TEST(WallDemo, StopsInOrderAtCtrlC) {
   // a busy machine may stall the loop, which then stops by itself; such a run is repeated
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const TemporaryFolder folder;
     const WakeupWatch watch;
     Command demo(folder.path(),
@@ -101,16 +99,11 @@ TEST(WallDemo, StopsInOrderAtCtrlC) {
     const bool runs = demo.WaitUntil([&] { return RecordedBytes(folder.path()) > kSomeBytes; });
     if (runs) demo.Send(SIGINT);
     const CommandResult run = demo.Wait();
-    if (run.exit_code == 1) {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(run, ReadJson(folder.path() / "demo_out/summary.json"), worst_wakeup));
-      continue;
-    }
+    if (run.exit_code == 1)
+      return attempt.ExpectLate(run, ReadJson(folder.path() / "demo_out/summary.json"), watch);
     ASSERT_TRUE(runs) << run.err;
     ExpectInterrupted(run, folder.path() / "demo_out");
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 TEST(VirtualDemo, StopsInOrderAtCtrlC) {

@@ -58,10 +58,8 @@ TEST_F(EngineProcess, CarvesWhatAThreadCarvesBitForBit) {
 
 // Kills the engine in wall time while the loop renders contact. The arm must come to rest.
 TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
-  constexpr int kAttempts = 3;
   const std::string cell = PatientCell(folder_.path(), "demo", {{"simulation", "{process: local}"}});
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const WakeupWatch watch;
     Command run(folder_.path(),
                 {"run", cell, "--simulated", "--port", FirstPort(), "--engine", "cpu", "--seconds", "60",
@@ -74,19 +72,14 @@ TEST_F(EngineProcess, KillingTheEngineStopsTheArmAndIsReported) {
     const nlohmann::json summary = ReadJson(folder_.path() / "run.json");
     EXPECT_EQ(result.exit_code, 1) << result.err;
     ASSERT_FALSE(summary.at("faults").empty()) << result.err;
-    if (!killed || summary.at("faults")[0] != "contact model stale") {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(result, summary, worst_wakeup)) << summary.at("faults").dump();
-      continue;
-    }
+    if (!killed || summary.at("faults")[0] != "contact model stale")
+      return attempt.ExpectLate(result, summary, watch, summary.at("faults").dump());
     EXPECT_NE(result.err.find("the engine's process has ended: signal 9"), std::string::npos) << result.err;
     const nlohmann::json& process = summary.at("engine_process");
     ASSERT_TRUE(process.is_object());
     EXPECT_EQ(process.at("ended").get<std::string>().substr(0, 8), "signal 9");
     EXPECT_TRUE(process.at("carved_again").is_string());
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 // Times three ways to connect the engine: as a thread, over shared memory, and over UDP. No time is judged.

@@ -62,9 +62,7 @@ class GuardProcess : public testing::Test {
 };
 
 TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     StartCellAndGuard();
     std::vector<std::string> words = RunArguments();
     words.insert(words.end(), {"--seconds", "2"});
@@ -76,11 +74,8 @@ TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
     const nlohmann::json report = GuardReport(), summary = ReadJson(run_folder_.path() / "run.json");
     EXPECT_EQ(report.at("schema"), "osteon.guard/1");
     EXPECT_EQ(report.at("config_checksum"), summary.at("config_checksum")) << "both read the same files";
-    if (run.exit_code != 0) {  // the run may fail only because the machine was late, as a run without a guard
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup)) << report.dump(2);
-      continue;
-    }
+    if (run.exit_code != 0)  // the run may fail only because the machine was late, as a run without a guard
+      return attempt.ExpectLate(run, summary, watch, report.dump(2));
     EXPECT_EQ(guard.exit_code, 0) << guard.err << report.dump(2);
     EXPECT_EQ(report.at("withheld"), 0);
     EXPECT_EQ(report.at("reason"), nullptr);
@@ -93,36 +88,26 @@ TEST_F(GuardProcess, ARunThroughTheGuardCompletes) {
       EXPECT_LE(delay.at("p99"), delay.at("max"));
     }
     EXPECT_TRUE(report.at("plc").at("connected").get<bool>());
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 // A run that starts its simulated cell must also start the cell's guard, and end it.
 TEST_F(GuardProcess, ARunOfASimulatedCellStartsAndEndsItsGuard) {
-  constexpr int kAttempts = 3;
-  rt::Nanoseconds worst_wakeup = 0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  RepeatWhileLate([&](Attempt& attempt) {
     const WakeupWatch watch;
     const CommandResult run = RunCommand(
         run_folder_.path(), {"run", file_, "--simulated", "--port", FirstPort(), "--seconds", "2",
                              "--rate-hz", "150", "--record", "r.mcap", "--overwrite", "--json", "run.json"});
     ASSERT_NE(run.err.find("the arm is reached through the guard"), std::string::npos) << run.err;
     const nlohmann::json summary = ReadJson(run_folder_.path() / "run.json");
-    if (run.exit_code != 0) {
-      worst_wakeup = watch.worst();
-      ASSERT_TRUE(MachineWasLate(run, summary, worst_wakeup));
-      continue;
-    }
+    if (run.exit_code != 0) return attempt.ExpectLate(run, summary, watch);
     EXPECT_EQ(summary.at("ended"), "completed");
     EXPECT_TRUE(summary.at("faults").empty());
     EXPECT_EQ(summary.at("planned").at("rate_hz"), 150.0);
     // the killed guard's port is free again, so a new guard can use it
     guard_.emplace(guard_folder_.path(), std::vector<std::string>{"guard", file_, "--port", FirstPort()});
     EXPECT_TRUE(guard_->WaitUntil([&] { return Says(*guard_, "Ctrl-C ends it"); })) << guard_->Err();
-    return;
-  }
-  GTEST_SKIP() << SkippedForLateness(kAttempts, worst_wakeup);
+  });
 }
 
 TEST_F(GuardProcess, KillingTheGuardStopsArmAndRun) {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "io/recording/recording_reader.h"
@@ -22,8 +23,6 @@
 
 namespace osteon::app {
 namespace {
-
-constexpr int kAttempts = 3;  // a run is repeated if the machine woke a thread late
 
 // A pipe whose reading end can be closed.
 class Pipe {
@@ -85,8 +84,8 @@ void CauseEnd(End end, Command& process, Pipe& pipe) {
 class HangUp : public testing::Test {
  protected:
   // Causes the event while the tool is in bone. Checks the run's exit code, the name of the cause in the
-  // summary, and the recording. Returns false if the machine was late.
-  bool RunEnds(End end, int exit_code, const char* name) {
+  // summary, and the recording.
+  static void RunEnds(Attempt& attempt, End end, int exit_code, const char* name) {
     const TemporaryFolder folder;
     Pipe pipe;
     const WakeupWatch watch;
@@ -97,10 +96,7 @@ class HangUp : public testing::Test {
     const bool contact = run.WaitUntil([&] { return InContact(folder.path() / "r.mcap"); });
     if (contact) CauseEnd(end, run, pipe);
     const CommandResult result = run.Wait();
-    if (result.exit_code == 1) {
-      EXPECT_TRUE(MachineWasLate(result, ReadJson(folder.path() / "run.json"), worst_ = watch.worst()));
-      return false;
-    }
+    if (result.exit_code == 1) return attempt.ExpectLate(result, ReadJson(folder.path() / "run.json"), watch);
     EXPECT_TRUE(contact) << result.err;
     EXPECT_EQ(result.exit_code, exit_code) << result.err;
     const nlohmann::json summary = ReadJson(folder.path() / "run.json");
@@ -113,16 +109,11 @@ class HangUp : public testing::Test {
     EXPECT_TRUE(ReadJson(folder.path() / "export.json").value("complete", false));
     const io::Recording recording = ReadComplete(folder.path() / "r.mcap");
     EXPECT_EQ(recording.ticks.back().phase, control::Phase::kStopped);
-    return true;
   }
 
   void ExpectRunEnds(End end, int exit_code, const char* name) {
-    for (int attempt = 0; attempt < kAttempts; ++attempt)
-      if (RunEnds(end, exit_code, name) || HasFailure()) return;
-    GTEST_SKIP() << SkippedForLateness(kAttempts, worst_);
+    RepeatWhileLate([&](Attempt& attempt) { RunEnds(attempt, end, exit_code, name); });
   }
-
-  rt::Nanoseconds worst_{0};
 };
 
 // A signal's exit code is 128 plus the number of the signal.
@@ -170,8 +161,8 @@ class GuardHangUp : public HangUp {
   }
 
   // Causes the event at the guard while the tool is in bone. The PLC must withdraw its permission first, so
-  // that the controller stops the arm while the guard still relays. Returns false if the machine was late.
-  bool GuardEnds(End end, int exit_code) {
+  // that the controller stops the arm while the guard still relays.
+  void GuardEnds(Attempt& attempt, End end, int exit_code) {
     Pipe pipe;
     const TemporaryFolder cell_folder, guard_folder, run_folder;
     const WakeupWatch watch;
@@ -195,20 +186,17 @@ class GuardHangUp : public HangUp {
     const nlohmann::json faults = summary.value("faults", nlohmann::json::array());
     if (!contact || report.value("latched", true) || faults.empty() ||
         faults.front() != "motion not permitted") {
-      EXPECT_TRUE(MachineWasLate(result, summary, worst_ = watch.worst()))
-          << report.dump(2) << "\nthe guard ended with " << guarded.exit_code << ": " << guarded.err;
-      return false;
+      return attempt.ExpectLate(
+          result, summary, watch,
+          fmt::format("{}\nthe guard ended with {}: {}", report.dump(2), guarded.exit_code, guarded.err));
     }
     EXPECT_EQ(guarded.exit_code, exit_code) << guarded.err;
     EXPECT_EQ(result.exit_code, 1) << result.err;
     EXPECT_EQ(ReadComplete(run_folder.path() / "r.mcap").ticks.back().phase, control::Phase::kStopped);
-    return true;
   }
 
   void ExpectGuardEnds(End end, int exit_code) {
-    for (int attempt = 0; attempt < kAttempts; ++attempt)
-      if (GuardEnds(end, exit_code) || HasFailure()) return;
-    GTEST_SKIP() << SkippedForLateness(kAttempts, worst_);
+    RepeatWhileLate([&](Attempt& attempt) { GuardEnds(attempt, end, exit_code); });
   }
 
   const TemporaryFolder folder_;

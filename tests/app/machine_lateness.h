@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -38,7 +41,23 @@ inline constexpr rt::Nanoseconds kLateWakeup = 10 * rt::kMillisecond;
 [[nodiscard]] testing::AssertionResult MachineWasLate(const CommandResult& run, const nlohmann::json& summary,
                                                       rt::Nanoseconds worst_wakeup);
 
-/// The message of a test that is skipped after this number of late runs.
-[[nodiscard]] std::string SkippedForLateness(int attempts, rt::Nanoseconds worst_wakeup);
+/// One attempt of a test whose run may end because of a late machine.
+class Attempt {
+ public:
+  /// Call it for a run that has not done what the test expects: the test fails unless MachineWasLate() is
+  /// true, and otherwise repeats the attempt. @param why  more text for the failure's message
+  void ExpectLate(const CommandResult& run, const nlohmann::json& summary, const WakeupWatch& watch,
+                  const std::string& why = {});
+
+  /// Whether the run ended because of a late machine, so that the attempt proves nothing.
+  [[nodiscard]] bool late() const { return worst_wakeup_ >= kLateWakeup; }
+  [[nodiscard]] rt::Nanoseconds worst_wakeup() const { return worst_wakeup_; }
+
+ private:
+  rt::Nanoseconds worst_wakeup_{0};
+};
+
+/// Makes attempts until one is not late, three at most. After three late ones the test is skipped.
+void RepeatWhileLate(const std::function<void(Attempt&)>& make);
 
 }  // namespace osteon::app

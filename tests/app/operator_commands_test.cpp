@@ -15,8 +15,6 @@
 namespace osteon::app {
 namespace {
 
-constexpr int kAttempts = 3;  // a run is repeated if the machine woke a thread late
-
 // A running cell and the commands that an operator gives it, in one folder.
 class OperatorCommands : public testing::Test {
  protected:
@@ -33,8 +31,8 @@ class OperatorCommands : public testing::Test {
     return ReadJson(folder_.path() / "status.json")["status"].value("state", "");
   }
 
-  // Starts a run, pauses, resumes and stops it. Returns false if the machine was late.
-  bool PausesResumesAndStops() {
+  // Starts a run, pauses, resumes and stops it.
+  void PausesResumesAndStops(Attempt& attempt) {
     const WakeupWatch watch;
     Command run(folder_.path(),
                 {"run", PatientCell(folder_.path(), "thin_plate"), "--simulated", "--port", "0", "--console",
@@ -42,8 +40,7 @@ class OperatorCommands : public testing::Test {
                 Environment());
     const auto late = [&] {
       const CommandResult result = run.Wait();
-      EXPECT_TRUE(MachineWasLate(result, ReadJson(folder_.path() / "run.json"), watch.worst()));
-      return false;
+      attempt.ExpectLate(result, ReadJson(folder_.path() / "run.json"), watch);
     };
     if (!run.WaitUntil([&] { return State() == "cutting"; })) return late();
     EXPECT_EQ(Ask({"resume"}).exit_code, 1) << "it is not paused";
@@ -68,16 +65,13 @@ class OperatorCommands : public testing::Test {
     EXPECT_TRUE(summary["console"].get<std::string>().starts_with("http://127.0.0.1:")) << summary["console"];
     EXPECT_TRUE(std::filesystem::exists(folder_.path() / "r_report.html"));
     EXPECT_EQ(Ask({"pause"}).exit_code, 1) << "no cell runs any more";
-    return true;
   }
 
   TemporaryFolder folder_;
 };
 
 TEST_F(OperatorCommands, PauseResumeAndStopARunningCell) {
-  for (int attempt = 0; attempt < kAttempts; ++attempt)
-    if (PausesResumesAndStops()) return;
-  GTEST_SKIP() << "skipped: this machine was late " << kAttempts << " times";
+  RepeatWhileLate([&](Attempt& attempt) { PausesResumesAndStops(attempt); });
 }
 
 // Asks a run for its status until its process has ended. A page that never reads slows down the end of the
