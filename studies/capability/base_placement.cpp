@@ -58,7 +58,7 @@ double BasePlacement::TurnOf(const Pose& X_WB) const {
   return std::atan2(R(1, 0), R(0, 0));
 }
 
-bool BasePlacement::Stands(const Vector3& p_WB) const {
+bool BasePlacement::IsClearOfSite(const Vector3& p_WB) const {
   const Vector3 p_B_site = R_WB_.transpose() * (task_.X_WC.translation() - p_WB);
   return std::hypot(p_B_site.x(), p_B_site.y()) >= params_.clearance_m;
 }
@@ -98,13 +98,13 @@ BaseFigure BasePlacement::JudgeAt(const Pose& X_WB, double arm_angle_rad, const 
 }
 
 BaseFigure BasePlacement::Judge(const Vector3& p_WB, double arm_angle_rad) const {
-  if (!Stands(p_WB)) return {.X_WB = Facing(p_WB), .arm_angle_rad = arm_angle_rad};
+  if (!IsClearOfSite(p_WB)) return {.X_WB = Facing(p_WB), .arm_angle_rad = arm_angle_rad};
   return JudgeAt(Facing(p_WB), arm_angle_rad, TaskPoses(task_, {}, DirectionOf(task_, p_WB)), 0.0);
 }
 
 BaseFigure BasePlacement::Judge(const Vector3& p_WB) const {
   BaseFigure best{.X_WB = Facing(p_WB)};
-  if (!Stands(p_WB)) return best;
+  if (!IsClearOfSite(p_WB)) return best;
   const std::vector<Pose> poses = TaskPoses(task_, kCoarseTask, DirectionOf(task_, p_WB));
   for (int k = 0; k < params_.arm_angles; ++k) {
     const double angle = kTurn * (static_cast<double>(k) / params_.arm_angles - 0.5);

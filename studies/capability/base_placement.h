@@ -84,7 +84,7 @@ class BasePlacement {
   /// The figure's factor, lowered by moving_share_per_m for each metre of distance from the present base.
   [[nodiscard]] double Score(const BaseFigure& figure) const;
   /// Whether the site is at least clearance_m from the base's axis.
-  [[nodiscard]] bool Stands(const Vector3& p_WB) const;
+  [[nodiscard]] bool IsClearOfSite(const Vector3& p_WB) const;
   /// Judges a base at one arm angle over these poses. Gives no configuration if a pose fails, or as soon as
   /// the factor falls below `least`.
   [[nodiscard]] BaseFigure JudgeAt(const Pose& X_WB, double arm_angle_rad, const std::vector<Pose>& poses,

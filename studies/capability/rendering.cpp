@@ -92,7 +92,7 @@ void FillLoop(const TuneTask& task, RenderedAxis& axis) {
   if (!task.measured_only) axis.greatest_wall_N_per_m = GreatestWallOf(task, hands);
   axis.stands = own.damping_Ns_per_m >= *axis.least_drag_Ns_per_m &&
                 axis.greatest_wall_N_per_m.value_or(kMaxWall_N_per_m) >= task.wall_N_per_m &&
-                StandsByMargins(MeasuredMargins(task, "own", own, hands), "own");
+                IsStableByMargins(MeasuredMargins(task, "own", own, hands), "own");
 }
 
 // Whether two tasks have the same result. Tasks with measurements are always treated as different.

@@ -291,7 +291,7 @@ session::Verdict Judge(const IdentifyResult& result) {
   for (const Finding& finding : result.warnings)
     verdict.Add(session::VerdictLevel::kWarning, finding.where + ": " + finding.what);
   if (const TuneMargin* worst = WorstOf(result.margins, "own");
-      worst != nullptr && !StandsByMargins(result.margins, "own"))
+      worst != nullptr && !IsStableByMargins(result.margins, "own"))
     verdict.Add(GainsStand(result) ? session::VerdictLevel::kWarning : session::VerdictLevel::kBad,
                 "by the measured response the cell's present gains are " + MarginText(*worst));
   if (result.axes.empty() && result.joints.empty() && result.refused.empty())

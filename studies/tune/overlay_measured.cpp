@@ -63,7 +63,7 @@ std::vector<MeasuredAxis> MeasuredAxesOf(const config::IdentifiedCell& identifie
   return axes;
 }
 
-bool StandsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop, double late_s) {
+bool IsStableAsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop, double late_s) {
   return std::ranges::all_of(axes,
                              [&](const MeasuredAxis& axis) { return axis.overlay->IsStable(loop, late_s); });
 }

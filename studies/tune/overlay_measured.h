@@ -27,8 +27,8 @@ struct MeasuredAxis {
 /// Whether the loop is stable with the response of every measured axis. The wall of `loop` is perpendicular
 /// to that axis.
 /// @param late_s  additional delay of each command beyond the measured delay
-[[nodiscard]] bool StandsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop,
-                                  double late_s);
+[[nodiscard]] bool IsStableAsMeasured(const std::vector<MeasuredAxis>& axes, const OverlayLoopParams& loop,
+                                      double late_s);
 
 /// A loop to be judged, and the name of its contact.
 struct OverlayCase {

@@ -24,7 +24,7 @@ constexpr double kMaxMassOff = 0.15;
 
 session::Verdict Judge(const OverlayTuning& t) {
   session::Verdict verdict;
-  if (!t.Stands()) {
+  if (!t.HasRecommendation()) {
     verdict.Add(session::VerdictLevel::kBad, "no stiffness and damping stand what was asked");
     return verdict;
   }
@@ -95,9 +95,10 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
                    t.own_margin > 0.0 ? fmt::format("gain margin {:.2f}", t.own_margin)
                                       : std::string("not stable with all of these"))},
       {"Recommended",
-       t.Stands() ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
-                                1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m, t.recommended_margin)
-                  : std::string("none")}};
+       t.HasRecommendation()
+           ? fmt::format("coupling {:.3g} N/mm, damping {:.0f} N s/m, gain margin {:.2f}",
+                         1e-3 * t.recommended_N_per_m, t.recommended_Ns_per_m, t.recommended_margin)
+           : std::string("none")}};
   if (t.measured)
     rows.push_back(
         {"Measured arm",
@@ -109,7 +110,7 @@ std::vector<report::SummaryRow> Rows(const OverlayTuning& t) {
                          ? fmt::format("joints' springs {:.4g} N m/rad", t.loop.arm.stiffness_Nm_per_rad[0])
                          : fmt::format("springs {:.4g} N/m and {:.3g} N m/rad", t.loop.arm.stiffness_N_per_m,
                                        t.loop.arm.stiffness_Nm_per_rad_turn))});
-  if (t.Stands())
+  if (t.HasRecommendation())
     rows.push_back({"Old planes", fmt::format("{}{:.3g} N/mm at {:g} ms",
                                               t.planes_N_per_m < task.plane_N_per_m ? "" : "at least ",
                                               1e-3 * t.planes_N_per_m, 1e3 * task.worst_age_s)});
@@ -165,7 +166,7 @@ std::string ToJson(const OverlayTuning& t, const std::string& command_line) {
                       {"boundary", nlohmann::json::array()},
                       {"margins", ToJson(t.margins)},
                       {"check", {{"runs", t.check.runs}, {"grew", t.check.grew}}}};
-  if (t.Stands())
+  if (t.HasRecommendation())
     json["recommended"] = {{"damping_Ns_per_m", t.recommended_Ns_per_m},
                            {"stiffness_N_per_m", t.recommended_N_per_m},
                            {"margin", t.recommended_margin},
@@ -200,7 +201,7 @@ std::string BoundarySvg(const OverlayTuning& t) {
     simulated.y.push_back(shown(b.simulated_N_per_m));
   }
   chart.series = {predicted, simulated};
-  if (t.Stands())
+  if (t.HasRecommendation())
     chart.series.push_back({.name = "recommended",
                             .x = {t.recommended_Ns_per_m},
                             .y = {1e-3 * t.recommended_N_per_m},
@@ -216,7 +217,7 @@ report::ReportVerdict PlainVerdict(const OverlayTuning& t) {
   const session::Verdict verdict = Judge(t);
   report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
-  if (!t.Stands() || verdict.level == session::VerdictLevel::kBad) {
+  if (!t.HasRecommendation() || verdict.level == session::VerdictLevel::kBad) {
     plain.text = "Not safe";
   } else {
     plain.text = fmt::format("{}: coupling {:.3g} N/mm with damping {:.0f} N s/m",

@@ -58,11 +58,11 @@ struct OverlayTuning {
   // margins by `response`, for the cell's own and the recommended gains
   std::vector<TuneMargin> margins{};
   std::string nyquist_svg{};  // empty if there are no margins
-  [[nodiscard]] bool Stands() const { return recommended_Ns_per_m > 0.0; }
+  [[nodiscard]] bool HasRecommendation() const { return recommended_Ns_per_m > 0.0; }
   /// Whether the recommended gains may be used: they must also be stable in the simulations in time and with
   /// the measured response.
   [[nodiscard]] bool MayBeUsed() const {
-    return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
+    return HasRecommendation() && check.grew.empty() && IsStableByMargins(margins, "recommended");
   }
   [[nodiscard]] double own_damping() const { return loop.law.damping_Ns_per_m.z(); }
 };

@@ -90,7 +90,7 @@ struct Items {
   // vibration index
   static std::size_t InTime(std::size_t which, int dampings) { return Rows(2, dampings) + which; }
   static std::size_t Count(const TuneResult& r, int dampings) {
-    return r.Stands() ? InTime(3, dampings) : kRecommended;
+    return r.HasRecommendation() ? InTime(3, dampings) : kRecommended;
   }
 };
 
@@ -282,7 +282,7 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
       study.Margin(Items::kOwnMargin, {r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m}, r.human_hands);
   Recommend(study, r);
   SearchWithinBar(study, r);
-  if (base::Interrupted() || !r.Stands()) return;
+  if (base::Interrupted() || !r.HasRecommendation()) return;
   r.recommended_margin = study.Margin(Items::kRecommendedMargin, r.recommended, r.human_hands);
   r.stiffest_Ns_per_m = study.Drag(Items::kStiffestDrag, r.recommended.mass_kg, r.stiffest_hands);
   for (const hil::GridHand& hand : hil::NamedHands())
@@ -313,8 +313,8 @@ void StudyAll(const Study& study, const TuneOptions& options, base::PhaseProgres
   const auto in_time = [&](std::size_t which) { return Items::InTime(which, options.dampings); };
   study.Run(in_time(0), r.check, CheckFrom, CheckItem,
             [&] { return CheckInTime(r.task, r.recommended, r.human_hands); });
-  study.Run(in_time(1), r.carried, CarriedFrom, CarriedItem,
-            [&] { return CarryStiffHands(r.task, r.recommended); });
+  study.Run(in_time(1), r.stiff_hands, StiffHandsFrom, StiffHandsItem,
+            [&] { return RunStiffHands(r.task, r.recommended); });
   study.Run(in_time(2), r.human_index, ExactNumberFrom, ExactNumber,
             [&] { return IndexWith(r.task, r.recommended, r.human_hands); });
 }
@@ -396,7 +396,7 @@ tl::expected<TuneTask, std::string> TaskOf(const config::CellConfig& cell, const
 void AddMargins(TuneResult& r) {
   const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
   r.margins = MeasuredMargins(r.task, "own", own, r.human_hands);
-  if (!r.Stands()) return;
+  if (!r.HasRecommendation()) return;
   const std::vector<TuneMargin> recommended =
       MeasuredMargins(r.task, "recommended", r.recommended, r.human_hands);
   r.margins.insert(r.margins.end(), recommended.begin(), recommended.end());

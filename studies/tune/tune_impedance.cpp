@@ -67,12 +67,12 @@ bool IsStableWith(const OverlayTuning& t, double damping_Ns_per_m, const hil::Gr
   OverlayLoopParams late = loop;
   late.arm.dead_cycles =
       std::min(loop.arm.dead_cycles + t.task.command_jitter, hil::DynamicArm::kMaxDeadCycles);
-  return OverlayLoop(late).IsStable() && StandsMeasured(t.response, loop, MaxExtraDelay_s(t));
+  return OverlayLoop(late).IsStable() && IsStableAsMeasured(t.response, loop, MaxExtraDelay_s(t));
 }
 
 // Whether the loop is stable with every hand, both free and at a wall of this stiffness. False also after an
 // interrupt.
-bool StandsAll(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
+bool IsStable(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m, double gain) {
   return std::ranges::all_of(t.hands, [&](const hil::GridHand& hand) {
     return !base::Interrupted() &&
            IsStableWith(t, damping_Ns_per_m, hand, {.stiffness_N_per_m = wall_N_per_m}, gain) &&
@@ -102,7 +102,7 @@ double PlanesAt(const OverlayTuning& t) {
 // The largest factor on hands and wall, between 1 and kMaxMargin, up to which the loop is stable. 0: unstable
 // even at factor 1.
 double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_per_m) {
-  return hil::FirstCrossing([&](double gain) { return StandsAll(t, damping_Ns_per_m, wall_N_per_m, gain); },
+  return hil::FirstCrossing([&](double gain) { return IsStable(t, damping_Ns_per_m, wall_N_per_m, gain); },
                             {.from = 1.0, .to = kMaxMargin, .factor = 1.1, .tolerance = kTolerance})
       .value;
 }
@@ -111,7 +111,7 @@ double MarginOf(const OverlayTuning& t, double damping_Ns_per_m, double wall_N_p
 // goes upward, because the loop's delay makes too much damping unstable as well.
 double LeastDamping(const OverlayTuning& t, double wall_N_per_m) {
   const auto stands = [&](double damping) {
-    return StandsAll(t, damping, wall_N_per_m, t.task.margin) && StandsAll(t, damping, wall_N_per_m, 1.0);
+    return IsStable(t, damping, wall_N_per_m, t.task.margin) && IsStable(t, damping, wall_N_per_m, 1.0);
   };
   double high = kMinDamping;
   while (!stands(high)) {
@@ -200,7 +200,7 @@ std::vector<OverlayCase> CasesOf(const OverlayTuning& t, double damping_Ns_per_m
 // Nyquist plot.
 void JudgeByResponse(OverlayTuning& t) {
   std::vector<OverlayCase> own = CasesOf(t, t.own_damping(), t.task.wall_N_per_m), recommended;
-  if (t.Stands()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
+  if (t.HasRecommendation()) recommended = CasesOf(t, t.recommended_Ns_per_m, t.recommended_N_per_m);
   for (const auto& [name, cases] : {std::pair{"recommended", &recommended}, {"own", &own}}) {
     const std::vector<TuneMargin> found = MeasuredMargins(t.response, name, *cases, MaxExtraDelay_s(t));
     t.margins.insert(t.margins.end(), found.begin(), found.end());
@@ -270,7 +270,7 @@ void StudyAll(const TuneOptions& options, base::PhaseProgress& progress, Overlay
       },
       1);
   progress.BeginPhase("the recommended gains, run in time");
-  if (t.Stands() && !base::Interrupted()) t.check = CheckInTime(t, options.threads);
+  if (t.HasRecommendation() && !base::Interrupted()) t.check = CheckInTime(t, options.threads);
   if (!base::Interrupted()) JudgeByResponse(t);
 }
 

@@ -7,9 +7,9 @@ namespace {
 
 using nlohmann::json;
 
-// Calls visit(name, number) for each number of a TuneCarried. Carried may be const.
-template <class Carried, class Visit>
-void VisitNumbers(Carried& c, const Visit& visit) {
+// Calls visit(name, number) for each number of a StiffHandRun. Run may be const.
+template <class Run, class Visit>
+void VisitNumbers(Run& c, const Visit& visit) {
   visit("stiffness_N_per_m", c.hand.stiffness_N_per_m);
   visit("damping_Ns_per_m", c.hand.damping_Ns_per_m);
   visit("mass_kg", c.hand.mass_kg);
@@ -35,9 +35,9 @@ TuneCheck CheckFrom(const json& item) {
   return check;
 }
 
-json CarriedItem(const std::vector<TuneCarried>& carried) {
+json StiffHandsItem(const std::vector<StiffHandRun>& runs) {
   json list = json::array();
-  for (const TuneCarried& one : carried) {
+  for (const StiffHandRun& one : runs) {
     json item{{"hand", one.hand.name}, {"contact", one.contact}, {"valid", one.run.valid}};
     VisitNumbers(one, [&](const char* name, double value) { item[name] = ExactNumber(value); });
     list.push_back(std::move(item));
@@ -45,16 +45,16 @@ json CarriedItem(const std::vector<TuneCarried>& carried) {
   return list;
 }
 
-std::vector<TuneCarried> CarriedFrom(const json& list) {
-  std::vector<TuneCarried> carried;
+std::vector<StiffHandRun> StiffHandsFrom(const json& list) {
+  std::vector<StiffHandRun> runs;
   for (const json& item : list) {
-    TuneCarried& one = carried.emplace_back();
+    StiffHandRun& one = runs.emplace_back();
     ReadAt(item, "hand", one.hand.name);
     ReadAt(item, "contact", one.contact);
     ReadAt(item, "valid", one.run.valid);
     VisitNumbers(one, [&](const char* name, double& value) { ReadAt(item, name, value); });
   }
-  return carried;
+  return runs;
 }
 
 }  // namespace osteon::studies

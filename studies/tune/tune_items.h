@@ -14,8 +14,8 @@ namespace osteon::studies {
 [[nodiscard]] nlohmann::json CheckItem(const TuneCheck& check);
 [[nodiscard]] TuneCheck CheckFrom(const nlohmann::json& item);
 
-/// The simulated runs with stiff hands (CarryStiffHands) as one item.
-[[nodiscard]] nlohmann::json CarriedItem(const std::vector<TuneCarried>& carried);
-[[nodiscard]] std::vector<TuneCarried> CarriedFrom(const nlohmann::json& item);
+/// The simulated runs with stiff hands (RunStiffHands) as one item.
+[[nodiscard]] nlohmann::json StiffHandsItem(const std::vector<StiffHandRun>& runs);
+[[nodiscard]] std::vector<StiffHandRun> StiffHandsFrom(const nlohmann::json& item);
 
 }  // namespace osteon::studies

@@ -222,8 +222,8 @@ TuneTask MeasuredTaskOf(const config::CellConfig& cell) {
   return task;
 }
 
-bool StandsMeasured(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-                    double gain) {
+bool IsStableAsMeasured(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+                        double gain) {
   std::vector<hil::GridHand> stiffer = hands;
   for (hil::GridHand& hand : stiffer) {
     hand.stiffness_N_per_m *= gain;
@@ -267,14 +267,14 @@ const TuneMargin* WorstOf(const std::vector<TuneMargin>& margins, const std::str
   return list.empty() ? nullptr : list.front();
 }
 
-bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains) {
+bool IsStableByMargins(const std::vector<TuneMargin>& margins, const std::string& gains) {
   const TuneMargin* worst = WorstOf(margins, gains);
   return worst == nullptr || (worst->margins.stable && worst->margins.robust);
 }
 
 void JudgeMargins(const std::vector<TuneMargin>& margins, session::Verdict& verdict) {
   const auto judge = [&](const char* gains, session::VerdictLevel level, const char* whose) {
-    if (StandsByMargins(margins, gains)) return;
+    if (IsStableByMargins(margins, gains)) return;
     verdict.Add(level, fmt::format("by the measured response {} are {}", whose,
                                    MarginText(*WorstOf(margins, gains))));
   };

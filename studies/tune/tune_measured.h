@@ -38,8 +38,8 @@ void UseHands(const config::IdentifiedCell& identified, TuneTask& task);
 
 /// Whether the loop with the measured response is stable for all hands and contacts. Hand and wall are
 /// multiplied by `gain`.
-[[nodiscard]] bool StandsMeasured(const TuneTask& task, const TuneGains& gains,
-                                  const std::vector<hil::GridHand>& hands, double gain);
+[[nodiscard]] bool IsStableAsMeasured(const TuneTask& task, const TuneGains& gains,
+                                      const std::vector<hil::GridHand>& hands, double gain);
 
 /// The margins of the loop with one hand and contact, by the measured response.
 struct TuneMargin {
@@ -60,7 +60,7 @@ struct TuneMargin {
 
 /// Whether these gains are stable with every hand and contact by the measured response, with 95 %
 /// probability. True if no response was measured.
-[[nodiscard]] bool StandsByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
+[[nodiscard]] bool IsStableByMargins(const std::vector<TuneMargin>& margins, const std::string& gains);
 
 /// "stable; least with firm (free): gain …, phase …, |1 + L| …", or that it is unstable.
 [[nodiscard]] std::string MarginText(const TuneMargin& margin);

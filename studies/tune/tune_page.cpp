@@ -59,7 +59,7 @@ std::string TunePage(const TuneResult& r, const TuneOptions& options, const Pict
               "The least drag with which the tool is stable in all of these cases, by its virtual mass. A "
               "tool that is too light follows the hand's own mass; a heavy one responds slower than the "
               "arm's lag. A tool below and to the left of both red lines counts as light to the hand.");
-  if (!r.carried.empty()) html += StiffHandsSection(r);
+  if (!r.stiff_hands.empty()) html += StiffHandsSection(r);
   if (r.MayBeUsed())
     html += "<h2>The recommended gains, as a file (gains.yaml)</h2>\n<pre>" +
             report::Escape(GainsYaml(r, options.command_line)) + "</pre>\n";
@@ -84,20 +84,20 @@ std::string WhySafeText(const TuneResult& r, double margin) {
       t.human_grip_N_per_m, 1e-3 * t.wall_N_per_m, margin, arm);
 }
 
-// Says what to do next. @param own_stand  true: the cell's own gains have the requested margin
-std::string NextStepText(const TuneResult& r, bool own_stand) {
+// Says what to do next. @param own_stable  true: the cell's own gains have the requested margin
+std::string NextStepText(const TuneResult& r, bool own_stable) {
   const std::string cell = r.cell;
-  if (!own_stand && !r.MayBeUsed())
+  if (!own_stable && !r.MayBeUsed())
     return fmt::format(
         "Next: lower what was asked for (--grip, --margin, a softer wall), or make the arm faster, and "
         "run `osteon tune {}` again. Do not let a hand take the handle with these gains.",
         cell);
   const std::string run =
-      own_stand ? fmt::format("keep the cell's gains; `osteon run {}` may be used as it is", cell)
-                : fmt::format(
-                      "run with `osteon run {} --gains gains.yaml`, or write them into the "
-                      "cell's file",
-                      cell);
+      own_stable ? fmt::format("keep the cell's gains; `osteon run {}` may be used as it is", cell)
+                 : fmt::format(
+                       "run with `osteon run {} --gains gains.yaml`, or write them into the "
+                       "cell's file",
+                       cell);
   if (r.task.arm_measured) return "Next: " + run + ".";
   return fmt::format(
       "Next: {}. Before a real arm moves, measure it (`osteon identify {}`) and tune again with "
@@ -120,33 +120,33 @@ tl::expected<void, std::string> WritePictures(const Pictures& pictures, const Tu
 
 report::ReportVerdict PlainVerdict(const TuneResult& r) {
   const session::Verdict verdict = Judge(r);
-  const bool own_stand = r.OwnStand();
+  const bool own_stable = r.OwnGainsAreStable();
   const TuneGains own{r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m};
   report::ReportVerdict plain = verdict.ForReport();
   std::vector<std::string> reasons;
-  if (!r.Stands()) {
+  if (!r.HasRecommendation()) {
     plain.text = "Not safe: no gains are stable with everything that was asked for";
   } else if (verdict.level == session::VerdictLevel::kBad) {
     plain.text = "Not safe";
   } else {
     plain.text =
         fmt::format("{}: {}", verdict.level == session::VerdictLevel::kGood ? "Safe" : "Safe, with remarks",
-                    own_stand ? "the cell's own gains, " + GainsText(own) : GainsText(r.recommended));
+                    own_stable ? "the cell's own gains, " + GainsText(own) : GainsText(r.recommended));
   }
-  if (own_stand || r.MayBeUsed()) {
+  if (own_stable || r.MayBeUsed()) {
     reasons.push_back(
-        own_stand ? fmt::format("Which gains: the cell's own, with a gain margin of {:.2f}.{}", r.own_margin,
-                                r.MayBeUsed()
-                                    ? fmt::format(" The lightest with the margin that was asked for are {} "
-                                                  "(gains.yaml).",
-                                                  GainsText(r.recommended))
-                                    : "")
-                  : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
-                                GainsText(own)));
-    reasons.push_back(WhySafeText(r, own_stand ? r.own_margin : r.recommended_margin));
+        own_stable ? fmt::format("Which gains: the cell's own, with a gain margin of {:.2f}.{}", r.own_margin,
+                                 r.MayBeUsed()
+                                     ? fmt::format(" The lightest with the margin that was asked for are {} "
+                                                   "(gains.yaml).",
+                                                   GainsText(r.recommended))
+                                     : "")
+                   : fmt::format("Which gains: {} instead of the cell's {}.", GainsText(r.recommended),
+                                 GainsText(own)));
+    reasons.push_back(WhySafeText(r, own_stable ? r.own_margin : r.recommended_margin));
   }
   for (const std::string& reason : verdict.reasons) reasons.push_back("Remark: " + reason + ".");
-  reasons.push_back(NextStepText(r, own_stand));
+  reasons.push_back(NextStepText(r, own_stable));
   plain.reasons = std::move(reasons);
   return plain;
 }

@@ -152,7 +152,8 @@ std::string TradeSvg(const TuneResult& r) {
     stiffest.y.push_back(trade.stiffest_Ns_per_m);
   }
   chart.series = {human, stiffest};
-  const bool same = r.Stands() && SameGains(r.recommended, r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m);
+  const bool same =
+      r.HasRecommendation() && SameGains(r.recommended, r.task.loop.mass_kg, r.task.loop.damping_Ns_per_m);
   if (!same)
     chart.series.push_back({.name = "the cell's own gains",
                             .x = {r.task.loop.mass_kg},
@@ -160,7 +161,7 @@ std::string TradeSvg(const TuneResult& r) {
                             .color = report::kTextColor,
                             .width_px = 0.0,
                             .marker = report::Marker::kCross});
-  if (r.Stands())
+  if (r.HasRecommendation())
     chart.series.push_back({.name = same ? "recommended, and the cell's own gains" : "recommended",
                             .x = {r.recommended.mass_kg},
                             .y = {r.recommended.damping_Ns_per_m},

@@ -43,16 +43,16 @@ nlohmann::json ToJson(const std::vector<TuneBoundary>& boundaries, const std::ve
 constexpr double kShaken_N = 5.0;
 
 // Adds a reason if a stiff hand keeps oscillating although the vibration index acts.
-void JudgeCarried(const TuneResult& r, session::Verdict& verdict) {
-  const TuneCarried* worst = r.WorstCarried();
+void JudgeStiffHands(const TuneResult& r, session::Verdict& verdict) {
+  const StiffHandRun* worst = r.WorstStiffHand();
   if (worst == nullptr || worst->Calm()) return;
-  const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
+  const auto calm = std::ranges::count_if(r.stiff_hands, &StiffHandRun::Calm);
   const bool shaken = !worst->run.valid || worst->run.one_s_N > kShaken_N;
   verdict.Add(
       shaken ? session::VerdictLevel::kBad : session::VerdictLevel::kWarning,
       fmt::format("oscillation remains 1 s after the grip closed with {} of {} hands stiffer than {:g} N/m, "
                   "though the vibration index acts: the worst, {} ({}), {}",
-                  static_cast<std::ptrdiff_t>(r.carried.size()) - calm, r.carried.size(),
+                  static_cast<std::ptrdiff_t>(r.stiff_hands.size()) - calm, r.stiff_hands.size(),
                   r.task.human_grip_N_per_m, worst->hand.name, worst->contact,
                   worst->run.valid ? fmt::format("with {:.2f} N between 5 and 40 Hz, {:.2g} N accepted",
                                                  worst->run.one_s_N, worst->calm_N)
@@ -66,24 +66,26 @@ nlohmann::json FiniteOrNull(double value) {
 
 }  // namespace
 
-const TuneCarried* TuneResult::WorstCarried() const {
-  if (carried.empty()) return nullptr;
-  return &*std::ranges::max_element(carried, {}, [](const TuneCarried& c) {
+const StiffHandRun* TuneResult::WorstStiffHand() const {
+  if (stiff_hands.empty()) return nullptr;
+  return &*std::ranges::max_element(stiff_hands, {}, [](const StiffHandRun& c) {
     return c.run.valid ? c.run.one_s_N : std::numeric_limits<double>::infinity();
   });
 }
 
 bool TuneResult::MayBeUsed() const {
-  return Stands() && check.grew.empty() && StandsByMargins(margins, "recommended");
+  return HasRecommendation() && check.grew.empty() && IsStableByMargins(margins, "recommended");
 }
 
-bool TuneResult::OwnStand() const { return own_margin >= task.margin && StandsByMargins(margins, "own"); }
+bool TuneResult::OwnGainsAreStable() const {
+  return own_margin >= task.margin && IsStableByMargins(margins, "own");
+}
 
 session::Verdict Judge(const TuneResult& r) {
   session::Verdict verdict;
   if (r.guidance) JudgeGuidance(*r.guidance, verdict);
   JudgeMargins(r.margins, verdict);
-  if (!r.Stands()) {
+  if (!r.HasRecommendation()) {
     verdict.Add(session::VerdictLevel::kBad, "no gains stand what was asked, whatever the drag");
     return verdict;
   }
@@ -91,8 +93,8 @@ session::Verdict Judge(const TuneResult& r) {
     verdict.Add(session::VerdictLevel::kBad,
                 fmt::format("run in time with the recommended gains, {} of {} runs grew: {}",
                             r.check.grew.size(), r.check.runs, fmt::join(r.check.grew, "; ")));
-  JudgeCarried(r, verdict);
-  if (!r.task.index_acts && !r.carried.empty())
+  JudgeStiffHands(r, verdict);
+  if (!r.task.index_acts && !r.stiff_hands.empty())
     verdict.Add(
         session::VerdictLevel::kWarning,
         fmt::format("hands stiffer than {:g} N/m need the vibration index, which does not act in this cell "
@@ -117,7 +119,7 @@ session::Verdict Judge(const TuneResult& r) {
                     r.own_margin > 0.0 ? fmt::format("have a gain margin of {:.2f}, {:g} asked for",
                                                      r.own_margin, r.task.margin)
                                        : std::string("are not stable with all of these hands and contacts")));
-  if (!r.WithinBar())
+  if (!r.IsLight())
     verdict.Add(session::VerdictLevel::kWarning,
                 fmt::format("the recommended tool is not light: {}, against {:g} kg and {:g} N s/m",
                             MassAndDragText(r.recommended), r.task.max_mass_kg, r.task.max_drag_Ns_per_m));
@@ -156,7 +158,7 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
   for (report::SummaryRow& row : RowsOfMeasured(t, r.margins)) rows.push_back(std::move(row));
   if (r.guidance)
     for (report::SummaryRow& row : RowsOf(*r.guidance)) rows.push_back(std::move(row));
-  if (!r.Stands()) {
+  if (!r.HasRecommendation()) {
     rows.push_back({"Recommended", "none: no mass of those tried is stable, whatever the drag"});
     return rows;
   }
@@ -164,7 +166,7 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
                                              r.recommended_margin)});
   rows.push_back(
       {"Which to use",
-       r.OwnStand()
+       r.OwnGainsAreStable()
            ? std::string("the cell's own: they have the margin; the recommended ones are the lightest "
                          "that have it")
        : r.MayBeUsed() ? std::string("the recommended ones: gains.yaml")
@@ -178,7 +180,7 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
              : fmt::format("in {} of {} runs an oscillation grew: {}", r.check.grew.size(), r.check.runs,
                            fmt::join(r.check.grew, "; "))});
   rows.push_back({"Light to the hand",
-                  r.WithinBar()
+                  r.IsLight()
                       ? fmt::format("yes: at most {:g} kg and {:g} N s/m", t.max_mass_kg, t.max_drag_Ns_per_m)
                       : (r.within_bar_margin > 0.0
                              ? fmt::format("no: with at most {:g} kg and {:g} N s/m the greatest gain margin "
@@ -195,9 +197,9 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
            "vibration index adds this drag while the tool shakes",
            DragText(r.stiffest_Ns_per_m), r.stiffest_Ns_per_m / r.recommended.damping_Ns_per_m,
            DragText(r.clamp_Ns_per_m))});
-  if (const TuneCarried* worst = r.WorstCarried()) {
-    const auto calm = std::ranges::count_if(r.carried, &TuneCarried::Calm);
-    const double max_mean_damping = std::ranges::max(r.carried, {}, [](const TuneCarried& c) {
+  if (const StiffHandRun* worst = r.WorstStiffHand()) {
+    const auto calm = std::ranges::count_if(r.stiff_hands, &StiffHandRun::Calm);
+    const double max_mean_damping = std::ranges::max(r.stiff_hands, {}, [](const StiffHandRun& c) {
                                       return c.run.mean_damping;
                                     }).run.mean_damping;
     rows.push_back(
@@ -205,7 +207,7 @@ std::vector<report::SummaryRow> Rows(const TuneResult& r) {
          fmt::format("{} of {} stiffer hands are calm 1 s after the grip closed (below {:g} N between 5 and "
                      "40 Hz); the worst hand, {} ({}), keeps {:.2f} N; their drag is on average up to {:.0f} "
                      "times the recommended one; hands up to {:g} N/m raise the index (0 to 1) to {:.2g}{}",
-                     calm, r.carried.size(), worst->calm_N, worst->hand.name, worst->contact,
+                     calm, r.stiff_hands.size(), worst->calm_N, worst->hand.name, worst->contact,
                      worst->run.one_s_N, max_mean_damping, t.human_grip_N_per_m, r.human_index,
                      t.index_acts ? "" : "; in this cell it does not act (vibration: acts: false)")});
   }
@@ -245,8 +247,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
         {"margin", r.own_margin}}},
       {"recommended", nullptr},
       {"within_bar", nullptr},
-      {"bar",
-       {{"mass_kg", t.max_mass_kg}, {"damping_Ns_per_m", t.max_drag_Ns_per_m}, {"met", r.WithinBar()}}},
+      {"bar", {{"mass_kg", t.max_mass_kg}, {"damping_Ns_per_m", t.max_drag_Ns_per_m}, {"met", r.IsLight()}}},
       {"age_bound_Ns_per_m", r.age_bound_Ns_per_m},
       {"boundary", ToJson(r.human, r.human_hands)},
       {"boundary_stiffest", ToJson(r.stiffest, r.stiffest_hands)},
@@ -265,7 +266,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
     json["trade"].push_back({{"mass_kg", trade.mass_kg},
                              {"damping_human", FiniteOrNull(trade.human_Ns_per_m)},
                              {"damping_stiffest", FiniteOrNull(trade.stiffest_Ns_per_m)}});
-  if (!r.Stands()) return session::ResultText(Judge(r), json);
+  if (!r.HasRecommendation()) return session::ResultText(Judge(r), json);
   json["recommended"] = ToJson(r.recommended);
   json["recommended"]["margin"] = r.recommended_margin;
   json["stiff_grips"] = {{"grip_N_per_m", t.stiffest_grip_N_per_m},
@@ -273,7 +274,7 @@ std::string ToJson(const TuneResult& r, const std::string& command_line) {
                          {"clamp_damping_Ns_per_m", FiniteOrNull(r.clamp_Ns_per_m)}};
   json["stiff_hands"] = {
       {"index_acts", t.index_acts}, {"index_of_grips", r.human_index}, {"hands", nlohmann::json::array()}};
-  for (const TuneCarried& c : r.carried)
+  for (const StiffHandRun& c : r.stiff_hands)
     json["stiff_hands"]["hands"].push_back({{"hand", c.hand.name},
                                             {"stiffness_N_per_m", c.hand.stiffness_N_per_m},
                                             {"contact", c.contact},
@@ -304,7 +305,7 @@ std::string CarriedTable(const TuneResult& r) {
   std::string table =
       "<table>\n<tr><th>hand</th><th>worst contact</th><th>force from 0.5 s on [N]</th><th>from 1 s on "
       "[N]</th><th>drag, most</th><th>drag, mean</th></tr>\n";
-  for (const TuneCarried& c : r.carried)
+  for (const StiffHandRun& c : r.stiff_hands)
     table += fmt::format(
         "<tr><th>{}</th><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.0f} ×</td><td>{:.1f} ×</td></tr>\n",
         report::Escape(c.hand.name), c.contact, c.run.half_s_N, c.run.one_s_N, c.run.max_damping,

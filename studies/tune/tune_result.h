@@ -50,7 +50,7 @@ struct TuneResult {
   std::vector<TuneMap> maps;
   TuneCheck check;
   /// one simulated run with the vibration index for each hand stiffer than the human grip
-  std::vector<TuneCarried> carried;
+  std::vector<StiffHandRun> stiff_hands;
   /// the largest vibration index that a hand within the human grip causes
   double human_index{0.0};
   std::optional<GuidanceMap> guidance;  ///< of the plan, if one is given
@@ -58,17 +58,18 @@ struct TuneResult {
   /// number of results read from the cache, and number of results computed
   int found{0}, computed{0};
 
-  [[nodiscard]] bool Stands() const { return recommended.mass_kg > 0.0; }
+  /// Whether gains were found that are stable with all hands and contacts.
+  [[nodiscard]] bool HasRecommendation() const { return recommended.mass_kg > 0.0; }
   /// Whether the recommended gains may be used: they must be stable with the measured response and in the
   /// simulations in time.
   [[nodiscard]] bool MayBeUsed() const;
   /// Whether the cell's own gains have the requested margin, also by the measured response.
-  [[nodiscard]] bool OwnStand() const;
+  [[nodiscard]] bool OwnGainsAreStable() const;
   /// The run that keeps oscillating most among the runs with the vibration index; null if there are none.
-  [[nodiscard]] const TuneCarried* WorstCarried() const;
+  [[nodiscard]] const StiffHandRun* WorstStiffHand() const;
   /// Whether the recommended gains count as light: mass and drag are within the task's limits.
-  [[nodiscard]] bool WithinBar() const {
-    return Stands() && recommended.mass_kg <= task.max_mass_kg &&
+  [[nodiscard]] bool IsLight() const {
+    return HasRecommendation() && recommended.mass_kg <= task.max_mass_kg &&
            recommended.damping_Ns_per_m <= task.max_drag_Ns_per_m;
   }
 };

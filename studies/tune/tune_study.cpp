@@ -16,7 +16,7 @@ constexpr double kMaxDrag_Ns_per_m = 3000.0;  // largest drag that is tried
 constexpr double kMinWall_N_per_m = 100.0;    // softest wall that is tried
 // Figures of the runs with the vibration index: the tool's speed when a stiff hand closes its grip, the
 // sensor's noise, and the length of a stiff hand's run.
-constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kCarried_s = 10.0;
+constexpr double kGripSpeed_m_per_s = 0.04, kNoise_N = 0.1, kStiffHandRun_s = 10.0;
 // A run with a stiff hand counts as calm if its force between 5 and 40 Hz stays below kEnlarged times the
 // tremor that the index permits, or below kCalm_N if that is larger.
 constexpr double kCalm_N = 0.5, kEnlarged = 2.2;
@@ -99,9 +99,9 @@ std::vector<hil::GridHand> HandsUpTo(const TuneTask& task, double stiffness_N_pe
   return hands;
 }
 
-bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
-               double gain) {
-  if (task.measured_only) return StandsMeasured(task, gains, hands, gain);
+bool IsStable(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
+              double gain) {
+  if (task.measured_only) return IsStableAsMeasured(task, gains, hands, gain);
   for (const TuneContact contact : kTuneContacts)
     for (const hil::GridHand& hand : hands) {
       hil::AdmittanceLoopParams loop = LoopOf(task, gains, hand, gain);
@@ -112,13 +112,13 @@ bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<h
   return true;
 }
 
-bool StandsAll(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
-  return StandsAll(task, gains, hands, task.margin) && StandsAll(task, gains, hands, 1.0);
+bool IsStable(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands) {
+  return IsStable(task, gains, hands, task.margin) && IsStable(task, gains, hands, 1.0);
 }
 
 double GainMargin(const TuneTask& task, const TuneGains& gains, const std::vector<hil::GridHand>& hands,
                   double max_gain) {
-  return hil::FirstCrossing([&](double gain) { return StandsAll(task, gains, hands, gain); },
+  return hil::FirstCrossing([&](double gain) { return IsStable(task, gains, hands, gain); },
                             {.from = 1.0, .to = max_gain, .factor = 1.1, .tolerance = 1e-3})
       .value;
 }
@@ -128,7 +128,7 @@ double MinDragFor(const TuneTask& task, double mass_kg, const std::vector<hil::G
   // range of drags that are all stable
   const hil::Boundary found = hil::FirstCrossing(
       [&](double inverse) {
-        return StandsAll(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
+        return IsStable(task, {.mass_kg = mass_kg, .damping_Ns_per_m = 1.0 / inverse}, hands);
       },
       {.from = 1.0 / kMaxDrag_Ns_per_m, .to = 1.0, .factor = 1.25, .tolerance = 2e-3});
   if (found.value == 0.0) return std::numeric_limits<double>::infinity();
@@ -195,16 +195,16 @@ TuneCheck CheckInTime(const TuneTask& task, const TuneGains& gains, const std::v
   return check;
 }
 
-std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains) {
+std::vector<StiffHandRun> RunStiffHands(const TuneTask& task, const TuneGains& gains) {
   const double calm_N = std::max(kCalm_N, kEnlarged * task.vibration.reference.tremor_N);
-  std::vector<TuneCarried> list;
+  std::vector<StiffHandRun> list;
   for (const hil::GridHand& hand : hil::HandGrid()) {
     if (hand.stiffness_N_per_m <= task.human_grip_N_per_m) continue;
-    TuneCarried worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
+    StiffHandRun worst{.hand = hand, .contact = {}, .run = {}, .calm_N = calm_N};
     for (const TuneContact contact : kTuneContacts) {
       AdmittanceRunParams run = WithIndex(task, gains, hand, contact);
       run.kick_m_per_s = kGripSpeed_m_per_s;
-      run.seconds = kCarried_s;
+      run.seconds = kStiffHandRun_s;
       const GripRun found = RunGrip(run);
       if (!worst.contact.empty() && worst.run.valid && found.valid && found.one_s_N <= worst.run.one_s_N)
         continue;

@@ -86,11 +86,11 @@ struct TuneGains {
 /// Checks all hands and contacts (free, a wall evaluated at the present pose, planes of the largest age).
 /// Every command has its largest delay; hand and wall are multiplied by `gain`.
 /// @returns whether all loops are stable.
-[[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
-                             const std::vector<hil::GridHand>& hands, double gain);
+[[nodiscard]] bool IsStable(const TuneTask& task, const TuneGains& gains,
+                            const std::vector<hil::GridHand>& hands, double gain);
 /// The same, at gain 1 and at the task's margin.
-[[nodiscard]] bool StandsAll(const TuneTask& task, const TuneGains& gains,
-                             const std::vector<hil::GridHand>& hands);
+[[nodiscard]] bool IsStable(const TuneTask& task, const TuneGains& gains,
+                            const std::vector<hil::GridHand>& hands);
 
 /// The largest gain, up to `max_gain`, up to which all hands and contacts are stable; 0: unstable even at
 /// gain 1.
@@ -127,7 +127,7 @@ struct TuneCheck {
                                     const std::vector<hil::GridHand>& hands);
 
 /// A hand stiffer than the human grip, and its simulated run with the vibration index in the worst contact.
-struct TuneCarried {
+struct StiffHandRun {
   hil::GridHand hand;
   std::string contact;
   GripRun run;
@@ -139,7 +139,7 @@ struct TuneCarried {
 /// moves at 40 mm/s, the sensor's noise is 0.1 N, and commands are lost and late. The index permits a loop as
 /// much vibration as a hand's tremor (VibrationReference), and a loop close to oscillating reaches up to
 /// twice that. Therefore a run counts as calm below 2.2 tremor_N, but at least 0.5 N.
-[[nodiscard]] std::vector<TuneCarried> CarryStiffHands(const TuneTask& task, const TuneGains& gains);
+[[nodiscard]] std::vector<StiffHandRun> RunStiffHands(const TuneTask& task, const TuneGains& gains);
 
 /// The largest vibration index that any of these hands causes by itself, after a kick of 0.1 mm/s and with
 /// the same noise. 0 if the gains alone stabilise all of them.

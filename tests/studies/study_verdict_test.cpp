@@ -30,10 +30,10 @@ TuneResult GoodTuning() {
   r.recommended_margin = 1.1;
   r.own_margin = 1.3;
   r.check.runs = 60;
-  TuneCarried calm{.hand = {.name = "fixture"}, .contact = "free", .run = {}};
+  StiffHandRun calm{.hand = {.name = "fixture"}, .contact = "free", .run = {}};
   calm.run.valid = true;
   calm.run.one_s_N = 0.1;
-  r.carried = {calm, calm};
+  r.stiff_hands = {calm, calm};
   return r;
 }
 
@@ -68,17 +68,17 @@ TEST(TuneVerdict, EachLevelHasItsReasons) {
 
 TEST(TuneVerdict, NamesAHandThatKeepsOscillatingWithItsForce) {
   TuneResult unquiet = GoodTuning();
-  unquiet.carried[1].run.one_s_N = 1.5;
+  unquiet.stiff_hands[1].run.one_s_N = 1.5;
   EXPECT_EQ(Judge(unquiet).level, session::VerdictLevel::kWarning);
   EXPECT_TRUE(HasReason(Judge(unquiet), "1.50 N between 5 and 40 Hz"));
   TuneResult shaken = GoodTuning();
-  shaken.carried[1].run.one_s_N = 109.0;
+  shaken.stiff_hands[1].run.one_s_N = 109.0;
   EXPECT_EQ(Judge(shaken).level, session::VerdictLevel::kBad);
   EXPECT_TRUE(HasReason(Judge(shaken), "with 1 of 2 hands stiffer than 3000 N/m"))
       << Judge(shaken).reasons[0];
   EXPECT_TRUE(HasReason(Judge(shaken), "fixture (free), with 109.00 N"));
   TuneResult ended = GoodTuning();
-  ended.carried[0].run.valid = false;
+  ended.stiff_hands[0].run.valid = false;
   EXPECT_EQ(Judge(ended).level, session::VerdictLevel::kBad);
 }
 

@@ -42,7 +42,7 @@ class Adversary {
 
   // Fills the model with up to 8 random planes near the tool. The planes are plausible, so the loop does not
   // refuse them.
-  void SpoilCredibly(simulation::ContactModel& model, const Pose& X_WT) {
+  void SetPlausiblePlanes(simulation::ContactModel& model, const Pose& X_WT) {
     model.contact_count = static_cast<std::int32_t>(Bits() % 9);
     for (simulation::Contact& c : model.contacts) {
       c.p_TP_m = Vector3(0.1 * Vector3(Unit(), Unit(), Unit()));
@@ -55,7 +55,7 @@ class Adversary {
     model.F_T_W.f = Vector3(100.0 * Direction());
   }
   // Sets a random field of the model to a hostile value.
-  void SpoilAnywhere(simulation::ContactModel& model) {
+  void SetHostileField(simulation::ContactModel& model) {
     auto& c = model.contacts[Bits() % model.contacts.size()];
     double* fields[] = {
         &c.p_TP_m.x, &c.p_W_m.y, &c.n_W.z,         &c.stiffness_N_per_m,     &c.advance_m_per_s,
@@ -109,11 +109,11 @@ TEST(ServoLimit, NoWrenchAboveTheLimitIsIntegratedForAnyInput) {
       if (record.wrench_scale < 1.0) ++limited;
 
       // changes the input of the next tick
-      adversary.SpoilCredibly(bench.model, bench.loop.tool_command().X_WT);
+      adversary.SetPlausiblePlanes(bench.model, bench.loop.tool_command().X_WT);
       ++bench.model.frame;
       bench.model.pose_stamp = bench.now;
       bench.simulation_lives = false;
-      if (adversary.Chance(0.05)) adversary.SpoilAnywhere(bench.model);
+      if (adversary.Chance(0.05)) adversary.SetHostileField(bench.model);
       if (adversary.Chance(0.05)) bench.model.pose_stamp = static_cast<rt::Nanoseconds>(adversary.Bits());
       if (adversary.Chance(0.02)) bench.model.contact_count = static_cast<std::int32_t>(adversary.Bits());
       if (adversary.Chance(0.1)) bench.push_N = 240.0 * adversary.Unit();

@@ -141,9 +141,9 @@ TEST(MeasuredGains, WallsUnderTheImpedanceLawAreThoseOfTheMeasuredArm) {
   EXPECT_GT(GreatestWall_N_per_m(by_file, by_matrix), 1.15 * wall);
   const std::vector<MeasuredAxis> axes = MeasuredAxesOf(identified, by_file);
   ASSERT_EQ(axes.size(), 1u);
-  EXPECT_NEAR(
-      GreatestWall_N_per_m(by_file, [&](const OverlayLoopParams& p) { return StandsMeasured(axes, p, 0.0); }),
-      wall, 0.05 * wall);
+  EXPECT_NEAR(GreatestWall_N_per_m(
+                  by_file, [&](const OverlayLoopParams& p) { return IsStableAsMeasured(axes, p, 0.0); }),
+              wall, 0.05 * wall);
 }
 
 }  // namespace

@@ -158,9 +158,9 @@ TEST(TuneMeasured, WithAStructuralResonanceOnlyTheResponseDecides) {
   const TuneTask task = MeasuredTask(truth), without = MeasuredTask(SlowArm());
   ASSERT_TRUE(task.measured_only);
   const std::vector<hil::GridHand> hands{{"grip", 3e3, 20.0, 1.5}};
-  EXPECT_TRUE(StandsAll(without, {2.4, 80.0}, hands, 1.0));
-  EXPECT_FALSE(StandsAll(task, {2.4, 80.0}, hands, 1.0));
-  EXPECT_EQ(StandsAll(task, {2.4, 80.0}, hands, 1.0), StandsMeasured(task, {2.4, 80.0}, hands, 1.0));
+  EXPECT_TRUE(IsStable(without, {2.4, 80.0}, hands, 1.0));
+  EXPECT_FALSE(IsStable(task, {2.4, 80.0}, hands, 1.0));
+  EXPECT_EQ(IsStable(task, {2.4, 80.0}, hands, 1.0), IsStableAsMeasured(task, {2.4, 80.0}, hands, 1.0));
 }
 
 // A hand's measured loop has three times the gain, and 30 ms more delay, than the hand and arm that were
@@ -191,8 +191,8 @@ TEST(TuneMeasured, AHandIsJudgedByItsMeasuredLoop) {
   EXPECT_TRUE(good[0].margins.stable);
   EXPECT_FALSE(bad[0].margins.stable);
   EXPECT_EQ(bad[0].hand.name, "mine, its own loop as measured");
-  EXPECT_TRUE(StandsMeasured(alike, {1.7, 60.0}, {}, 1.0));
-  EXPECT_FALSE(StandsMeasured(later, {1.7, 60.0}, {}, 1.0));
+  EXPECT_TRUE(IsStableAsMeasured(alike, {1.7, 60.0}, {}, 1.0));
+  EXPECT_FALSE(IsStableAsMeasured(later, {1.7, 60.0}, {}, 1.0));
   session::Verdict verdict;
   JudgeMargins(bad, verdict);
   EXPECT_EQ(verdict.level, session::VerdictLevel::kBad);

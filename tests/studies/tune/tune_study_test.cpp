@@ -92,21 +92,21 @@ TEST(TuneStudy, TheVibrationIndexCalmsHandsThatAreTooStiffForTheGains) {
   ASSERT_TRUE(task.vibration.acts);
   EXPECT_TRUE(task.index_acts) << "in the cell, too";
   EXPECT_EQ(IndexWith(task, gains, HandsUpTo(3e3)), 0.0) << "up to the grip they need no index";
-  const std::vector<TuneCarried> hands = CarryStiffHands(task, gains);
+  const std::vector<StiffHandRun> hands = RunStiffHands(task, gains);
   EXPECT_EQ(hands.size(), 20u) << "9 of 6 kN/m, 9 of 10 kN/m, fixture and clamp";
-  for (const TuneCarried& c : hands) {
+  for (const StiffHandRun& c : hands) {
     EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
     EXPECT_LT(c.run.half_s_N, 1.2 * c.calm_N) << c.hand.name;
   }
   TuneTask still = task;  // with this task no tremor is accepted
   still.vibration.reference = {};
-  for (const TuneCarried& c : CarryStiffHands(still, gains)) {
+  for (const StiffHandRun& c : RunStiffHands(still, gains)) {
     EXPECT_EQ(c.calm_N, 0.5);
     EXPECT_TRUE(c.Calm()) << c.hand.name << ", " << c.contact << ": " << c.run.one_s_N << " N";
   }
   TuneTask unaided = task;
   unaided.vibration.acts = false;
-  EXPECT_TRUE(std::ranges::any_of(CarryStiffHands(unaided, gains), [](const auto& c) { return !c.Calm(); }));
+  EXPECT_TRUE(std::ranges::any_of(RunStiffHands(unaided, gains), [](const auto& c) { return !c.Calm(); }));
 }
 
 }  // namespace
