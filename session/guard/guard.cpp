@@ -246,6 +246,8 @@ int RunGuard(const GuardOptions& options) {
         "guard",
         fmt::format("{}: guard: found no such section, accepted guard: {{port: N}}, where the arm sends to",
                     options.cell.string()));
+  if (options.port == 0)
+    return Fail("guard", "--port: found 0, accepted the port that the cell was started with");
   if (options.port)
     if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty())
       return Fail("guard", wrong);

@@ -144,8 +144,8 @@ int RunSimulatedCell(const SimulatedCellOptions& options) {
     UseHandOfPlan(plan.plan, options.hand, config::BoneInWorld(cell, plan.site), plan.site,
                   ReamerOf(plan.plan, cell), cell);
   }
-  if (const std::string wrong = UseSimulatedWires(cell, options.port); !wrong.empty()) {
-    fmt::print(stderr, "osteon cell: {}\n", wrong);
+  if (const auto first_port = UseSimulated(cell, options.port); !first_port) {
+    fmt::print(stderr, "osteon cell: {}\n", first_port.error());
     return 2;
   }
   hil::CellHostState state;

@@ -217,6 +217,24 @@ TEST(CellProcess, BothProcessesRunTheirRealTimeThreadsOnTheGivenCpu) {
   EXPECT_EQ(summary.at("cell").at("arm").at("cpu"), 0);
 }
 
+TEST(CellProcess, CellsTakeFreePortsAndNameThem) {
+  const TemporaryFolder folders[2];
+  std::string ports[2];
+  const std::string before = "the arm sends FRI 1.15 to 127.0.0.1:";
+  Command first(folders[0].path(), {"cell", "thin_plate", "--port", "0"});
+  Command second(folders[1].path(), {"cell", "thin_plate", "--port", "0"});
+  for (int i = 0; i < 2; ++i) {
+    Command& cell = i == 0 ? first : second;
+    ASSERT_TRUE(cell.WaitUntil([&] { return Says(cell, "Ctrl-C ends it"); })) << cell.Err();
+    const std::string out = cell.Out();
+    const std::size_t at = out.find(before);
+    ASSERT_NE(at, std::string::npos) << out;
+    ports[i] = out.substr(at + before.size(), out.find('\n', at) - at - before.size());
+    EXPECT_GT(std::stoi(ports[i]), 1023);
+  }
+  EXPECT_NE(ports[0], ports[1]);
+}
+
 TEST(CellProcess, ATakenPortIsNamed) {
   const TemporaryFolder folder, cell_folder;  // one for each process
   Command cell(cell_folder.path(), {"cell", "thin_plate", "--port", FirstPort()});

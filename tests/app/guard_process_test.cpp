@@ -167,6 +167,9 @@ TEST_F(GuardProcess, WrongInputIsNamedAndExitsWithTwo) {
   EXPECT_NE(without.err.find("guard: found no such section, accepted guard: {port: N}"), std::string::npos)
       << without.err;
   EXPECT_EQ(RunCommand(folder_.path(), {"guard", "no_such_cell"}).exit_code, 2);
+  const CommandResult any_port = RunCommand(folder_.path(), {"guard", file_, "--port", "0"});
+  EXPECT_EQ(any_port.exit_code, 2);
+  EXPECT_NE(any_port.err.find("--port: found 0"), std::string::npos) << any_port.err;
   const CommandResult help = RunCommand(folder_.path(), {"guard", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_NE(help.out.find("Examples:"), std::string::npos);
