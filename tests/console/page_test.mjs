@@ -3,7 +3,7 @@
 // saved in PICTURES for people to look at.
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
@@ -431,12 +431,11 @@ async function showsAFault() {
     const run = demo(60, "--cell", patientCell());
     const page = await open(await run.url, 1280, 720);
     await stateIs(page, "cutting");
+    // the simulated arm is a process of its own, until a late machine ends the demo
+    const cells = execFileSync("pgrep", ["-P", String(run.child.pid)]).toString().trim().split("\n");
+    for (const pid of cells) process.kill(Number(pid), "SIGKILL");
     return { run, page };
   });
-  // the simulated arm is a process of its own
-  const { execFileSync } = await import("node:child_process");
-  const cells = execFileSync("pgrep", ["-P", String(run.child.pid)]).toString().trim().split("\n");
-  for (const pid of cells) process.kill(Number(pid), "SIGKILL");
   await until(page, 'document.querySelector("#faults .fault") !== null');
   const card = await page.evaluate('document.getElementById("faults").innerText');
   for (const part of ["Fault:", "Seen:", "The cell:", "Go on:"]) assert.ok(card.includes(part), card);
