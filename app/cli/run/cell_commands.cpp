@@ -57,8 +57,7 @@ CellCommands::CellCommands(CLI::App& app)
       ->check(NumberWithin(session::kMinSeconds, session::kMaxSeconds));
   sub_->add_option("--port", simulated_.port,
                    "first of the cell's ports, instead of the one in its file: FRI, PLC, then two for each "
-                   "CAN bus; 0: any "
-                   "free ports, which it names")
+                   "CAN bus; 0: any free ports, which it names")
       ->check(PortNumber());
   sub_->add_option("--cpu", simulated_.cpu,
                    "CPU of the cell's real-time threads; everything else stays off it")
